@@ -2,12 +2,24 @@
 #include "bind/bind_job.hpp"
 
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <vector>
 
 #include "bind/bind_program.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
 using namespace passo;
+
+// Each binds some parts of the class.
+void bind_job_program(nb::module_& m, JobClass& job);
+void bind_job_plan(nb::module_& m, JobClass& job);
+void bind_job_axes(nb::module_& m, JobClass& job);
+void bind_job_settings(nb::module_& m, JobClass& job);
+void bind_job_results(nb::module_& m, JobClass& job);
 
 void bind_job(nb::module_& m) {
   m.attr("LOAD_MM_S") = Interpreter::kLoadMmS;
@@ -24,7 +36,7 @@ void bind_job(nb::module_& m) {
       .value("LIMITS", Job::Within::limits, "The machine's limits.")
       .value("REACH", Job::Within::reach, "What its actuators reach: it has been there.")
       .value("ANYTHING", Job::Within::anything, "Nothing: it does not know where it is.");
-  nb::class_<JobView> job(m, "Job", "Runs a G-code program on one machine. Not thread-safe.");
+  JobClass job(m, "Job", "Runs a G-code program on one machine. Not thread-safe.");
   job.def(
          "__init__",
          [](JobView* self, const nb::dict& spec, bool with_steps, bool clamp, bool ignore_tools) {
@@ -57,9 +69,70 @@ void bind_job(nb::module_& m) {
             if (board >= self.job.motion.machine().boards) throw nb::index_error("no such board");
             return self.job.motion.stream().messages(board);
           },
-          "board"_a, nb::rv_policy::reference_internal);
-  bind_job_program(job);
-  bind_job_motion(job);
-  bind_job_settings(job);
-  bind_job_results(job);
+          "board"_a, nb::rv_policy::reference_internal, "The messages of a board, by number.")
+      .def(
+          "feed",
+          [](JobView& self, const nb::bytes& data) {
+            self.job.interpreter.feed(data.c_str(), data.size());
+          },
+          "data"_a, "Adds text to the selected source, in pieces of any length.")
+      .def(
+          "finish", [](JobView& self) { self.job.interpreter.finish(); }, "Ends the input.")
+      .def_prop_ro(
+          "event", [](const JobView& self) { return as_tuple(self.job.interpreter.event()); },
+          "(line, letter, number, minor, name, text) of the event or the macro that advance "
+          "stopped at.")
+      .def_prop_ro(
+          "error", [](const JobView& self) { return as_tuple(self.job.error()); },
+          "(line, fault, word, value, limit, point) of the error that advance stopped at.")
+      .def(
+          "abandon", [](JobView& self) { self.job.abandon(); },
+          "After an error: drops the rest of the line and continues at the end of the plan.")
+      .def_prop_ro(
+          "line", [](JobView& self) { return self.job.interpreter.line(); },
+          "The number of the line that was read last.")
+      .def_prop_ro(
+          "tool", [](JobView& self) { return self.job.interpreter.tool(); }, "The tool in use.")
+      .def_prop_ro(
+          "clock", [](JobView& self) { return self.job.motion.planner().clock(); },
+          "End of the settled plan, ticks.")
+      .def(
+          "flush",
+          [](JobView& self) {
+            nb::gil_scoped_release released;
+            self.job.motion.flush();
+          },
+          "Settles all moves, for a stop at the end.")
+      .def_prop_ro(
+          "machine_position",
+          [](JobView& self) {
+            const auto p = self.job.position();
+            return std::vector<double>(p.begin(), p.end());
+          },
+          "End of the plan: X, Y, Z, E of the tool in use and further axes, in machine mm.")
+      .def_prop_ro(
+          "program_position",
+          [](JobView& self) {
+            const Interpreter& i = self.job.interpreter;
+            std::vector<double> p;
+            for (size_t a = 0; a < self.job.motion.machine().axes.size(); ++a)
+              p.push_back(i.logical(slot_of_axis(int(a))));
+            p.push_back(i.logical(kE));
+            return p;
+          },
+          "The position of the program in its own coordinates: the axes, then E.")
+      .def_prop_ro(
+          "locked_axes",
+          [](JobView& self) {
+            std::vector<int> axes;
+            for (size_t a = 0; a < self.job.motion.machine().axes.size(); ++a)
+              if (self.job.interpreter.locked(slot_of_axis(int(a)))) axes.push_back(int(a));
+            return axes;
+          },
+          "The axes, by number, whose position is unknown.");
+  bind_job_program(m, job);
+  bind_job_plan(m, job);
+  bind_job_axes(m, job);
+  bind_job_settings(m, job);
+  bind_job_results(m, job);
 }

@@ -3,6 +3,8 @@
 #include <nanobind/nanobind.h>
 
 #include <optional>
+#include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -22,7 +24,7 @@ struct JobView {
   std::optional<Toolpath> toolpath;
   std::optional<PrintingSpans> spans;
   std::optional<PathSegments> segments;
-  std::optional<FastestCorner> corner;
+  std::optional<FastestCorner> fastest_corner;
   JobView(const Machine& machine, std::vector<double> home, const LaserWords& laser,
           bool with_steps)
       : job(machine, std::move(home), laser, with_steps, thread_cpu_s) {}
@@ -34,7 +36,7 @@ struct JobView {
       const StepStream& stream = job.motion.stream();
       return i < stream.motors() ? stream.lead(i) : 0;
     };
-    if (!keeps_moves && !toolpath && !spans && !segments && !corner)
+    if (!keeps_moves && !toolpath && !spans && !segments && !fastest_corner)
       on_move = nullptr;
     else
       on_move = [this, lead](const Move& move) {
@@ -42,16 +44,54 @@ struct JobView {
         if (toolpath) toolpath->add(move);
         if (spans) spans->add(move, job.motion.delay());
         if (segments) segments->add(move);
-        if (corner) corner->add(move, lead);
+        if (fastest_corner) fastest_corner->add(move, lead);
       };
   }
 };
 
-}  // namespace passo
+using ErrorTuple =
+    std::tuple<uint32_t, Fault, std::string, double, double, std::tuple<double, double, double>>;
 
-// Each binds one part of the class.
-using JobClass = nanobind::class_<passo::JobView>;
-void bind_job_program(JobClass& job);
-void bind_job_motion(JobClass& job);
-void bind_job_settings(JobClass& job);
-void bind_job_results(JobClass& job);
+inline ErrorTuple as_tuple(const GcodeError& e) {
+  return {e.line, e.fault, e.word, e.value, e.limit, {e.point[0], e.point[1], e.point[2]}};
+}
+
+using JobClass = nanobind::class_<JobView>;
+
+// The parts of a job in Python: one class a subject. A part keeps its job alive.
+struct JobPart {
+  JobView& view;
+  Job& job;
+};
+template <class Subject>
+struct PartOf : JobPart {};
+using ProgramPart = PartOf<struct ProgramSubject>;
+using OptionsPart = PartOf<struct OptionsSubject>;
+using ModesPart = PartOf<struct ModesSubject>;
+using ObjectsPart = PartOf<struct ObjectsSubject>;
+using PlanPart = PartOf<struct PlanSubject>;
+using StopsPart = PartOf<struct StopsSubject>;
+using CommitsPart = PartOf<struct CommitsSubject>;
+using OutputsPart = PartOf<struct OutputsSubject>;
+using AxesPart = PartOf<struct AxesSubject>;
+using HistoryPart = PartOf<struct HistorySubject>;
+using MotorsPart = PartOf<struct MotorsSubject>;
+using BedPart = PartOf<struct BedSubject>;
+using FiltersPart = PartOf<struct FiltersSubject>;
+using ToolsPart = PartOf<struct ToolsSubject>;
+using FilamentPart = PartOf<struct FilamentSubject>;
+using LimitsPart = PartOf<struct LimitsSubject>;
+using ResultsPart = PartOf<struct ResultsSubject>;
+
+// Binds a part as a class, and as an attribute of the job.
+template <class Part>
+nanobind::class_<Part> bind_part(nanobind::module_& m, JobClass& job, const char* class_name,
+                                 const char* name, const char* text) {
+  nanobind::class_<Part> bound(m, class_name, text);
+  job.def_prop_ro(
+      name, [](JobView& self) { return Part{{self, self.job}}; }, nanobind::keep_alive<0, 1>(),
+      text);
+  return bound;
+}
+
+}  // namespace passo

@@ -1,6 +1,7 @@
-// The results of a job: statistics, moves, the path, ideal step times.
+// The results of a job: records of moves, path and ideal step times, and statistics.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -21,7 +22,7 @@ namespace {
 
 using Table = nb::typed<nb::dict, nb::str, nb::any>;
 
-nb::typed<nb::dict, nb::str, nb::float_> cpu(const JobView& self) {
+nb::typed<nb::dict, nb::str, nb::float_> cpu(const ResultsPart& self) {
   const Job& job = self.job;
   nb::dict d;
   d["parse"] = job.cpu_parse;
@@ -31,7 +32,7 @@ nb::typed<nb::dict, nb::str, nb::float_> cpu(const JobView& self) {
   return nb::typed<nb::dict, nb::str, nb::float_>(d);
 }
 
-Table statistics(JobView& self) {
+Table statistics(ResultsPart& self) {
   Job& job = self.job;
   const PlanStatistics& plan = job.motion.plan();
   const Machine& machine = job.motion.machine();
@@ -89,10 +90,10 @@ using LayerTuple = std::tuple<uint32_t, double, double, uint16_t>;
 using ToolpathTuple =
     std::tuple<uint32_t, std::vector<double>, double, double, std::vector<LayerTuple>, nb::bytes>;
 
-std::optional<ToolpathTuple> take_toolpath(JobView& self) {
-  if (!self.toolpath) return std::nullopt;
-  const Toolpath path = *std::exchange(self.toolpath, std::nullopt);
-  self.watch_moves();
+std::optional<ToolpathTuple> take_toolpath(ResultsPart& self) {
+  if (!self.view.toolpath) return std::nullopt;
+  const Toolpath path = *std::exchange(self.view.toolpath, std::nullopt);
+  self.view.watch_moves();
   const Toolpath::Scale scale = path.scale();
   std::vector<LayerTuple> layers;
   for (const Toolpath::Layer& layer : path.layers())
@@ -102,36 +103,15 @@ std::optional<ToolpathTuple> take_toolpath(JobView& self) {
                        path.end_s(), std::move(layers), nb::bytes(data.data(), data.size()));
 }
 
-nb::typed<nb::list, Table> steppers(JobView& self) {
-  nb::typed<nb::list, Table> list;
-  Motion& motion = self.job.motion;
-  for (size_t i = 0; i < motion.machine().steppers.size(); ++i) {
-    const StepStatistics& s = motion.stream().statistics(i);
-    nb::dict d;
-    d["name"] = motion.machine().steppers[i].name;
-    d["steps_per_unit"] = motion.machine().steppers[i].steps_per_unit;
-    d["steps"] = s.steps;
-    d["net"] = s.net;
-    d["count"] = motion.stream().count(i) - motion.stream().lead(i);
-    d["taken_up"] = motion.stream().taken_up(i);
-    d["expected_net"] = motion.stream().expected_net(i);
-    d["commands"] = s.commands;
-    d["dropped_pairs"] = s.dropped_pairs;
-    d["error_max_ticks"] = s.error_max;
-    d["error_square_ticks2"] = s.error_square;
-    list.append(d);
-  }
-  return list;
-}
-
 using PartTuple = std::tuple<double, double, double, double, double, double>;
 
-std::vector<PartTuple> law(const JobView& self, int slot, bool filtered) {
+std::vector<PartTuple> law(const ResultsPart& self, int slot, bool filtered) {
   if (slot != kX && slot != kY && slot != kE) throw nb::index_error("X, Y or E");
-  if (!self.corner || !self.corner->found()) throw nb::value_error("no corner is kept");
+  if (!self.view.fastest_corner || !self.view.fastest_corner->found())
+    throw nb::value_error("no corner is kept");
   const double hz = self.job.motion.machine().clock_hz;
   std::vector<PartTuple> parts;
-  for (const FastestCorner::Part& p : self.corner->law(slot, filtered))
+  for (const FastestCorner::Part& p : self.view.fastest_corner->law(slot, filtered))
     parts.emplace_back(p.start / hz, p.ticks / hz, p.q, p.v * hz, p.a * hz * hz,
                        p.j * hz * hz * hz);
   return parts;
@@ -139,20 +119,23 @@ std::vector<PartTuple> law(const JobView& self, int slot, bool filtered) {
 
 }  // namespace
 
-void bind_job_results(JobClass& job) {
-  job.def(
-         "keep_moves",
-         [](JobView& self, bool on) {
-           self.keeps_moves = on;
-           self.watch_moves();
-         },
-         "on"_a)
-      .def("take_moves", [](JobView& self) { return std::exchange(self.moves, {}); })
+void bind_job_results(nb::module_& m, JobClass& job) {
+  bind_part<ResultsPart>(m, job, "JobResults", "results", "Records of the plan, and statistics.")
+      .def(
+          "keep_moves",
+          [](ResultsPart& self, bool on) {
+            self.view.keeps_moves = on;
+            self.view.watch_moves();
+          },
+          "on"_a, "With `on`, records the settled moves, see take_moves.")
+      .def(
+          "take_moves", [](ResultsPart& self) { return std::exchange(self.view.moves, {}); },
+          "Returns the moves settled since the last call, in order.")
       .def(
           "keep_toolpath",
-          [](JobView& self) {
-            self.toolpath.emplace(self.job.motion.machine().clock_hz);
-            self.watch_moves();
+          [](ResultsPart& self) {
+            self.view.toolpath.emplace(self.job.motion.machine().clock_hz);
+            self.view.watch_moves();
           },
           "From now on records the path of all moves.")
       .def("take_toolpath", &take_toolpath,
@@ -160,16 +143,18 @@ void bind_job_results(JobClass& job) {
            "the recording.")
       .def(
           "keep_corner",
-          [](JobView& self) {
-            self.corner.emplace(self.job.motion.machine());
-            self.watch_moves();
+          [](ResultsPart& self) {
+            self.view.fastest_corner.emplace(self.job.motion.machine());
+            self.view.watch_moves();
           },
           "From now on keeps the moves around the fastest corner of filtered motion.")
       .def_prop_ro(
           "corner",
-          [](const JobView& self) -> std::optional<std::tuple<uint32_t, double, double, double>> {
-            if (!self.corner || !self.corner->found()) return std::nullopt;
-            const FastestCorner& corner = *self.corner;
+          [](const ResultsPart& self)
+              -> std::optional<std::tuple<uint32_t, double, double, double>> {
+            if (!self.view.fastest_corner || !self.view.fastest_corner->found())
+              return std::nullopt;
+            const FastestCorner& corner = *self.view.fastest_corner;
             const double hz = self.job.motion.machine().clock_hz;
             return std::make_tuple(corner.line(), corner.at_mm()[0], corner.at_mm()[1],
                                    corner.clock() / hz);
@@ -184,14 +169,14 @@ void bind_job_results(JobClass& job) {
            "The jerk of a part is constant.")
       .def(
           "keep_ideal",
-          [](JobView& self, bool on) {
+          [](ResultsPart& self, bool on) {
             for (size_t i = 0; i < self.job.motion.machine().steppers.size(); ++i)
               self.job.motion.stream().compressor(i).keep_ideal(on);
           },
           "on"_a, "From now on records the ideal time of every step, see take_ideal.")
       .def(
           "take_ideal",
-          [](JobView& self, size_t stepper) {
+          [](ResultsPart& self, size_t stepper) {
             if (stepper >= self.job.motion.machine().steppers.size())
               throw nb::index_error("no such stepper");
             std::vector<double>& ideal = self.job.motion.stream().compressor(stepper).ideal();
@@ -201,9 +186,6 @@ void bind_job_results(JobClass& job) {
             return bytes;
           },
           "stepper"_a, "Ideal ticks (float64) of the steps made into commands since the last call.")
-      .def_prop_ro("limit_names",
-                   [](JobView& self) { return self.job.motion.planner().constraints().names; })
-      .def("statistics", &statistics)
-      .def("steppers", &steppers)
-      .def("cpu", &cpu);
+      .def("statistics", &statistics, "Totals of the plan by name.")
+      .def("cpu", &cpu, "Processor time in s of each part of the planning.");
 }

@@ -1,4 +1,4 @@
-// The settings of a job's moves: limits, scales, offsets, retraction, flow.
+// The settings of a job: bed correction, motion filters, filament, limits.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
@@ -39,61 +39,54 @@ double Row::* place_of(const std::string& what) {
   throw nb::key_error(what.c_str());
 }
 
-void check_extruder(const JobView& self, size_t extruder) {
+void check_extruder(const JobPart& self, size_t extruder) {
   if (extruder >= self.job.motion.machine().extruders.size())
     throw nb::index_error("no such extruder");
 }
 
-void check_flow(const JobView& self, size_t extruder, double flow) {
+void check_flow(const JobPart& self, size_t extruder, double flow) {
   check_extruder(self, extruder);
   if (!(flow > 0 && flow < kInfinity)) throw nb::value_error("a flow must be above 0");
 }
 
 }  // namespace
 
-void bind_job_settings(JobClass& job) {
-  job.def(
-         "set_steps_per_unit",
-         [](JobView& self, size_t stepper, double value) {
-           if (stepper >= self.job.motion.machine().steppers.size() || !(value > 0))
-             throw nb::value_error("no such stepper, or no such scale");
-           self.job.motion.flush();
-           self.job.motion.set_steps_per_unit(stepper, value);
-         },
-         "stepper"_a, "value"_a,
-         "Changes the steps per unit of a motor. Call it only at standstill.")
-      .def(
-          "set_geometry",
-          [](JobView& self, const nb::typed<nb::dict, nb::str, nb::any>& spec) {
-            self.job.motion.flush();
-            self.job.motion.set_geometry(geometry_of(spec));
-          },
-          "spec"_a,
-          "Changes the parameters of the machine's geometry. Call it only at standstill. No motor "
-          "moves; set_axes must follow.")
-      .def(
-          "let_rest",
-          [](JobView& self, const std::vector<size_t>& steppers) {
-            for (size_t i : steppers)
-              if (i >= self.job.motion.machine().steppers.size())
-                throw nb::index_error("no such stepper");
-            self.job.motion.flush();
-            self.job.motion.let_rest(steppers);
-          },
-          "steppers"_a,
-          "These motors, by number, make no steps for later moves; all others do. Call it only at "
-          "standstill. After moves without a motor, set_axes must follow.")
+void bind_job_settings(nb::module_& m, JobClass& job) {
+  bind_part<BedPart>(m, job, "JobBed", "bed", "The bed correction.")
       .def(
           "set_height_map",
-          [](JobView& self, const std::pair<double, double>& first,
+          [](BedPart& self, const std::pair<double, double>& first,
              const std::pair<double, double>& spacing, const Rows& heights, const FadeSpec& fade) {
             auto map = height_map_of(first, spacing, heights, fade);
             self.job.set_height_map(std::move(map));
           },
           "first"_a, "spacing"_a, "heights"_a, "fade"_a = nb::none(), kHeightMapText)
       .def(
-          "set_filter",
-          [](JobView& self, const std::string& name, size_t index, const Numbers& numbers) {
+          "follow_tool", [](BedPart& self) { self.job.follow_tool(); },
+          "The correction of Z is that at the place of the tool in use, from standstill on; the "
+          "next move goes to the Z that the program means.")
+      .def_prop_ro(
+          "is_apart", [](BedPart& self) { return self.job.bed_is_apart(); },
+          "Whether the correction of Z is that at the place of another tool.")
+      .def(
+          "plan_z",
+          [](BedPart& self, double x, double y, double height) {
+            return self.job.motion.machine().plan_z(x, y, height);
+          },
+          "x"_a, "y"_a, "height"_a,
+          "The Z of the plan, in mm, at which the corrected nozzle is at this height.")
+      .def(
+          "nozzle_height",
+          [](BedPart& self, double x, double y, double z) {
+            const double p[] = {x, y, z};
+            return self.job.motion.machine().raised(p);
+          },
+          "x"_a, "y"_a, "z"_a, "The Z of the plan plus the bed correction there, in mm.");
+
+  bind_part<FiltersPart>(m, job, "JobFilters", "filters", "The motion filters.")
+      .def(
+          "set",
+          [](FiltersPart& self, const std::string& name, size_t index, const Numbers& numbers) {
             self.job.motion.flush();
             self.job.motion.set_filter(name, index, numbers);
           },
@@ -102,120 +95,117 @@ void bind_job_settings(JobClass& job) {
           "0 for a setting of the machine: its name and numbers, as in the machine's description, "
           "without brackets between them. Call it only at standstill.")
       .def(
-          "set_advance",
-          [](JobView& self, size_t extruder, double seconds) {
-            check_extruder(self, extruder);
-            self.job.motion.planner().advance[extruder] = seconds;
-          },
-          "extruder"_a, "seconds"_a, "Sets the pressure advance of later moves.")
-      .def(
-          "pressure_advance",
-          [](JobView& self, size_t extruder) {
-            check_extruder(self, extruder);
-            return self.job.motion.planner().advance[extruder];
-          },
-          "extruder"_a, "The value of set_advance, s.")
-      .def_prop_ro(
-          "filters_delay_s",
-          [](JobView& self) {
-            const Motion& motion = self.job.motion;
-            return motion.delay() / motion.machine().clock_hz;
-          },
-          "The delay of all motors relative to the plan, s, in whole ticks.")
-      .def(
-          "use_filters",
-          [](JobView& self, bool on) {
+          "use",
+          [](FiltersPart& self, bool on) {
             self.job.motion.flush();
             self.job.motion.use_filters(on);
           },
           "on"_a, "Switches all motion filters on or off. Call it only at standstill.")
       .def(
-          "follow_tool", [](JobView& self) { self.job.follow_tool(); },
-          "The correction of Z is that at the place of the tool in use, from standstill on; the "
-          "next move goes to the Z that the program means.")
-      .def_prop_ro(
-          "bed_is_apart", [](JobView& self) { return self.job.bed_is_apart(); },
-          "Whether the correction of Z is that at the place of another tool.")
+          "set_advance",
+          [](FiltersPart& self, size_t extruder, double seconds) {
+            check_extruder(self, extruder);
+            self.job.motion.planner().advance[extruder] = seconds;
+          },
+          "extruder"_a, "seconds"_a, "Sets the pressure advance of later moves.")
       .def(
-          "plan_z",
-          [](JobView& self, double x, double y, double height) {
-            return self.job.motion.machine().plan_z(x, y, height);
+          "advance",
+          [](FiltersPart& self, size_t extruder) {
+            check_extruder(self, extruder);
+            return self.job.motion.planner().advance[extruder];
           },
-          "x"_a, "y"_a, "height"_a,
-          "The Z of the plan, in mm, at which the corrected nozzle is at this height.")
+          "extruder"_a, "The pressure advance of an extruder, s.")
+      .def_prop_ro(
+          "delay_s",
+          [](FiltersPart& self) {
+            const Motion& motion = self.job.motion;
+            return motion.delay() / motion.machine().clock_hz;
+          },
+          "The delay of all motors relative to the plan, s, in whole ticks.");
+
+  bind_part<FilamentPart>(m, job, "JobFilament", "filament",
+                          "What scales and limits the motion of filament.")
+      .def_prop_rw(
+          "cold", [](FilamentPart& self) { return bool(self.job.interpreter.cold >> kE & 1); },
+          [](FilamentPart& self, bool cold) {
+            uint8_t& slots = self.job.interpreter.cold;
+            slots = uint8_t(cold ? slots | 1u << kE : slots & ~(1u << kE));
+          },
+          "While it is set, moves of the tool's filament are errors.")
       .def(
-          "nozzle_height",
-          [](JobView& self, double x, double y, double z) {
-            const double p[] = {x, y, z};
-            return self.job.motion.machine().raised(p);
+          "set_cold_axis",
+          [](FilamentPart& self, int axis, bool cold) {
+            if (axis < 3 || size_t(axis) >= self.job.motion.machine().axes.size())
+              throw nb::index_error("no such further axis");
+            uint8_t &slots = self.job.interpreter.cold, bit = uint8_t(1u << slot_of_axis(axis));
+            slots = uint8_t(cold ? slots | bit : slots & ~bit);
           },
-          "x"_a, "y"_a, "z"_a, "The Z of the plan plus the bed correction there, in mm.")
+          "axis"_a, "cold"_a, "The same for an axis, by number, that moves filament.")
+      .def_prop_ro(
+          "scale", [](FilamentPart& self) { return self.job.interpreter.e_scale(); },
+          "mm of filament of the tool in use for a mm, or mm3, of the program's E.")
+      .def_prop_ro(
+          "flows",
+          [](FilamentPart& self) {
+            std::vector<double> flows;
+            for (size_t i = 0; i < self.job.motion.machine().extruders.size(); ++i)
+              flows.push_back(self.job.interpreter.flow(i));
+            return flows;
+          },
+          "M221 of each extruder, as a factor.")
       .def(
-          "set_tool_offset",
-          [](JobView& self, size_t tool, int axis, double mm) {
-            if (tool >= self.job.motion.machine().tools.size() || axis < 0 || axis > 2)
-              throw nb::value_error("no such tool or axis");
-            self.job.set_tool_offset(tool, axis, mm);
+          "set_flow",
+          [](FilamentPart& self, size_t extruder, double flow) {
+            check_flow(self, extruder, flow);
+            self.job.interpreter.set_flow(extruder, flow);
           },
-          "tool"_a, "axis"_a, "mm"_a)
-      .def_prop_ro("tool_offsets",
-                   [](JobView& self) {
-                     std::vector<std::vector<double>> offsets;
-                     for (const Tool& t : self.job.motion.machine().tools)
-                       offsets.push_back({t.offset[0], t.offset[1], t.offset[2]});
-                     return offsets;
-                   })
-      .def_prop_ro(
-          "offset_due",
-          [](JobView& self) {
-            const Interpreter& program = self.job.interpreter;
-            return std::vector<double>{program.offset_due(kX), program.offset_due(kY),
-                                       program.offset_due(kZ)};
+          "extruder"_a, "flow"_a, "M221, a factor above 0, for moves that are read from now on.")
+      .def(
+          "scale_flow_from",
+          [](FilamentPart& self, double ticks, size_t extruder, double flow) {
+            check_flow(self, extruder, flow);
+            return self.job.scale_flow_from(ticks, extruder, flow);
           },
-          "The additional distance in mm that the next move of an axis makes in X, Y and Z, "
-          "because of a tool change or a changed tool offset.")
+          "ticks"_a, "extruder"_a, "flow"_a,
+          "M221, a factor above 0, for all moves after this clock, planned or not yet read. "
+          "Returns the clock of the cut.")
       .def_prop_ro(
-          "retraction",
-          [](JobView& self) {
-            Interpreter::Retraction r = self.job.interpreter.retraction();
-            return std::make_tuple(r.mm, r.feed_mm_s, r.hop_mm, r.recover_mm, r.recover_feed_mm_s,
-                                   r.swap_mm, r.swap_recover_mm);
-          },
-          "(mm, mm/s, hop mm, extra mm, mm/s back or 0, mm and extra mm of G10 S1) of M207 and "
-          "M208.")
-      .def_prop_ro(
-          "filament_diameters",
-          [](JobView& self) -> std::optional<std::vector<double>> {
+          "diameters",
+          [](FilamentPart& self) -> std::optional<std::vector<double>> {
             const Interpreter& i = self.job.interpreter;
             if (!i.volumetric()) return std::nullopt;
             return i.diameters();
           },
           "The filament diameter of each extruder in mm if E is a volume (M200); otherwise None.")
       .def_prop_ro(
-          "filament_changes",
-          [](JobView& self) {
+          "changes",
+          [](FilamentPart& self) {
             std::vector<std::pair<double, double>> lengths;
             for (const auto& c : self.job.interpreter.changes())
               lengths.emplace_back(c.load_mm, c.unload_mm);
             return lengths;
           },
-          "The lengths in mm that M701 loads and M702 unloads, of each extruder.")
-      .def_prop_ro(
-          "modes", [](JobView& self) { return self.job.interpreter.modes(); },
-          "G-code, one command a line, that sets tool, feedrate, plane, absolute or relative "
-          "positions, and last the units.")
-      .def_prop_ro("auto_retract",
-                   [](JobView& self) { return self.job.interpreter.auto_retract(); })
+          "The lengths in mm that M701 loads and M702 unloads, of each extruder.");
+
+  bind_part<LimitsPart>(m, job, "JobLimits", "limits", "The limits of moves, and the speed factor.")
       .def(
-          "limit",
-          [](JobView& self, const std::string& name) {
+          "value",
+          [](LimitsPart& self, const std::string& name) {
             Limits limits = self.job.motion.planner().rules().now().limits;
             return *place_of(limits, name);
           },
-          "name"_a, "The value of a limit, named as in set_limit.")
+          "name"_a, "The value of a limit, named as in `set`.")
       .def(
-          "axis_limit",
-          [](JobView& self, const std::string& axis, const std::string& what) {
+          "set",
+          [](LimitsPart& self, const std::string& name, double value, bool live) {
+            self.job.motion.planner().rules().change(
+                live, [&](Rules& r) { *place_of(r.limits, name) = value; });
+          },
+          "name"_a, "value"_a, "live"_a = false,
+          "Changes a limit for later moves; with `live`, also for moves that are planned again.")
+      .def(
+          "of_axis",
+          [](LimitsPart& self, const std::string& axis, const std::string& what) {
             const Constraints& c = self.job.motion.planner().constraints();
             const Machine& m = self.job.motion.machine();
             for (size_t i = 0; i < m.axes.size(); ++i)
@@ -225,73 +215,9 @@ void bind_job_settings(JobClass& job) {
             throw nb::key_error(axis.c_str());
           },
           "axis"_a, "what"_a, "The `speed`, `accel` or `jerk` of an axis or extruder now.")
-      .def_prop_rw(
-          "cold", [](JobView& self) { return bool(self.job.interpreter.cold >> kE & 1); },
-          [](JobView& self, bool cold) {
-            uint8_t& slots = self.job.interpreter.cold;
-            slots = uint8_t(cold ? slots | 1u << kE : slots & ~(1u << kE));
-          },
-          "While it is set, moves of the tool's filament are errors.")
       .def(
-          "set_cold_axis",
-          [](JobView& self, int axis, bool cold) {
-            if (axis < 3 || size_t(axis) >= self.job.motion.machine().axes.size())
-              throw nb::index_error("no such further axis");
-            uint8_t &slots = self.job.interpreter.cold, bit = uint8_t(1u << slot_of_axis(axis));
-            slots = uint8_t(cold ? slots | bit : slots & ~bit);
-          },
-          "axis"_a, "cold"_a, "The same for an axis, by number, that moves filament.")
-      .def_prop_ro(
-          "filament_scale", [](JobView& self) { return self.job.interpreter.e_scale(); },
-          "mm of filament of the tool in use for a mm, or mm3, of the program's E.")
-      .def_prop_ro(
-          "flows",
-          [](JobView& self) {
-            std::vector<double> flows;
-            for (size_t i = 0; i < self.job.motion.machine().extruders.size(); ++i)
-              flows.push_back(self.job.interpreter.flow(i));
-            return flows;
-          },
-          "M221 of each extruder, as a factor.")
-      .def(
-          "set_flow",
-          [](JobView& self, size_t extruder, double flow) {
-            check_flow(self, extruder, flow);
-            self.job.interpreter.set_flow(extruder, flow);
-          },
-          "extruder"_a, "flow"_a, "M221, a factor above 0, for moves that are read from now on.")
-      .def(
-          "scale_flow_from",
-          [](JobView& self, double ticks, size_t extruder, double flow) {
-            check_flow(self, extruder, flow);
-            return self.job.scale_flow_from(ticks, extruder, flow);
-          },
-          "ticks"_a, "extruder"_a, "flow"_a,
-          "M221, a factor above 0, for all moves after this clock, planned or not yet read. "
-          "Returns the clock of the cut.")
-      .def_prop_ro(
-          "speed_factor",
-          [](JobView& self) { return self.job.motion.planner().rules().now().speed_factor; },
-          "M220, as a factor.")
-      .def(
-          "set_speed_factor",
-          [](JobView& self, double factor, bool live) {
-            self.job.motion.planner().rules().change(live,
-                                                     [&](Rules& r) { r.speed_factor = factor; });
-          },
-          "factor"_a, "live"_a = false,
-          "M220 for later moves; with `live`, also for moves that are planned again from now on.")
-      .def(
-          "set_limit",
-          [](JobView& self, const std::string& name, double value, bool live) {
-            self.job.motion.planner().rules().change(
-                live, [&](Rules& r) { *place_of(r.limits, name) = value; });
-          },
-          "name"_a, "value"_a, "live"_a = false,
-          "Changes a limit for later moves; with `live`, also for moves that are planned again.")
-      .def(
-          "set_axis_limit",
-          [](JobView& self, const std::string& axis, const std::string& what, double value,
+          "set_of_axis",
+          [](LimitsPart& self, const std::string& axis, const std::string& what, double value,
              bool live) {
             self.job.motion.planner().rules().change(live, [&](Rules& r) {
               auto changed = std::make_shared<Constraints>(*r.constraints);
@@ -300,6 +226,21 @@ void bind_job_settings(JobClass& job) {
             });
           },
           "axis"_a, "what"_a, "value"_a, "live"_a = false,
-          "Changes the `speed`, `accel` or `jerk` of an axis like set_limit, at most to the "
-          "machine's own limit.");
+          "Changes the `speed`, `accel` or `jerk` of an axis like `set`, at most to the "
+          "machine's own limit.")
+      .def_prop_ro(
+          "names", [](LimitsPart& self) { return self.job.motion.planner().constraints().names; },
+          "The names of all limits of a move, in the order of their numbers.")
+      .def_prop_ro(
+          "speed_factor",
+          [](LimitsPart& self) { return self.job.motion.planner().rules().now().speed_factor; },
+          "M220, as a factor.")
+      .def(
+          "set_speed_factor",
+          [](LimitsPart& self, double factor, bool live) {
+            self.job.motion.planner().rules().change(live,
+                                                     [&](Rules& r) { r.speed_factor = factor; });
+          },
+          "factor"_a, "live"_a = false,
+          "M220 for later moves; with `live`, also for moves that are planned again from now on.");
 }

@@ -1826,12 +1826,139 @@ class Job:
     def messages(self) -> MessageQueue:
         """The messages of the main board."""
 
-    def messages_of(self, board: int) -> MessageQueue: ...
+    def messages_of(self, board: int) -> MessageQueue:
+        """The messages of a board, by number."""
 
-    def feed(self, data: bytes) -> None: ...
+    def feed(self, data: bytes) -> None:
+        """Adds text to the selected source, in pieces of any length."""
 
     def finish(self) -> None:
         """Ends the input."""
+
+    @property
+    def event(self) -> tuple[int, str, int, int, str, str]:
+        """
+        (line, letter, number, minor, name, text) of the event or the macro that advance stopped at.
+        """
+
+    @property
+    def error(self) -> tuple[int, Fault, str, float, float, tuple[float, float, float]]:
+        """
+        (line, fault, word, value, limit, point) of the error that advance stopped at.
+        """
+
+    def abandon(self) -> None:
+        """
+        After an error: drops the rest of the line and continues at the end of the plan.
+        """
+
+    @property
+    def line(self) -> int:
+        """The number of the line that was read last."""
+
+    @property
+    def tool(self) -> int:
+        """The tool in use."""
+
+    @property
+    def clock(self) -> float:
+        """End of the settled plan, ticks."""
+
+    def flush(self) -> None:
+        """Settles all moves, for a stop at the end."""
+
+    @property
+    def machine_position(self) -> list[float]:
+        """
+        End of the plan: X, Y, Z, E of the tool in use and further axes, in machine mm.
+        """
+
+    @property
+    def program_position(self) -> list[float]:
+        """The position of the program in its own coordinates: the axes, then E."""
+
+    @property
+    def locked_axes(self) -> list[int]:
+        """The axes, by number, whose position is unknown."""
+
+    @property
+    def program(self) -> JobProgram:
+        """
+        The text that a job reads: the program's or a console's lines, and their macros.
+        """
+
+    @property
+    def options(self) -> JobOptions:
+        """How a job treats lines that the machine cannot carry out."""
+
+    @property
+    def modes(self) -> JobModes:
+        """
+        The modal state of the program: units, positioning, retraction, offsets of coordinates.
+        """
+
+    @property
+    def objects(self) -> JobObjects:
+        """The objects of the program, which can be cancelled one by one."""
+
+    @property
+    def plan(self) -> JobPlan:
+        """
+        The plan: moves from outside of the program, and changes after a clock.
+        """
+
+    @property
+    def stops(self) -> JobStops:
+        """Stops on the path, and the suspension of the rest of the plan."""
+
+    @property
+    def commits(self) -> JobCommits:
+        """The commits of boards that stop by themselves when their link is lost."""
+
+    @property
+    def outputs(self) -> JobOutputs:
+        """Timed events of outputs, of the laser and of the host."""
+
+    @property
+    def axes(self) -> JobAxes:
+        """The positions of the axes, set without motion."""
+
+    @property
+    def history(self) -> JobHistory:
+        """Lines and positions at a clock of about the last second."""
+
+    @property
+    def motors(self) -> JobMotors:
+        """The motors, by their number in the machine."""
+
+    @property
+    def tools(self) -> JobTools:
+        """The tools and their offsets."""
+
+    @property
+    def bed(self) -> JobBed:
+        """The bed correction."""
+
+    @property
+    def filters(self) -> JobFilters:
+        """The motion filters."""
+
+    @property
+    def filament(self) -> JobFilament:
+        """What scales and limits the motion of filament."""
+
+    @property
+    def limits(self) -> JobLimits:
+        """The limits of moves, and the speed factor."""
+
+    @property
+    def results(self) -> JobResults:
+        """Records of the plan, and statistics."""
+
+class JobProgram:
+    """
+    The text that a job reads: the program's or a console's lines, and their macros.
+    """
 
     def select(self, console: bool) -> None:
         """
@@ -1847,29 +1974,22 @@ class Job:
         Drops the unread text of the selected source. Its next line has this number.
         """
 
-    def abandon(self) -> None:
-        """
-        After an error: drops the rest of the line and continues at the end of the plan.
-        """
-
     @property
     def offset(self) -> int:
         """Number of bytes of the selected source that were read."""
-
-    @property
-    def program_position(self) -> list[float]:
-        """The position of the program in its own coordinates: the axes, then E."""
-
-    @property
-    def event(self) -> tuple[int, str, int, int, str, str]:
-        """
-        (line, letter, number, minor, name, text) of the event or the macro that advance stopped at.
-        """
 
     def insert(self, text: bytes, code: str = '') -> None:
         """
         After MACRO: the lines that the call of the macro `code` becomes. They are read next, with the line number of the call, and then the rest of its line. While they run, also in macros that they call, the name of a macro that replaces a built-in command is that of the command.
         """
+
+    @property
+    def commands(self) -> int:
+        """The number of commands read, including unknown ones."""
+
+    @property
+    def layer(self) -> int:
+        """The layer of the line that was read last; 0: before the first layer."""
 
     @property
     def macro_depth(self) -> int:
@@ -1879,50 +1999,23 @@ class Job:
     def subprogram_depth(self) -> int:
         """The nesting depth of the running sub-programs of the selected source."""
 
-    @property
-    def modal(self) -> tuple[bool, bool, float]:
-        """
-        (G90, M82, feedrate in mm/s): the modal state of the selected source. The feedrate is infinite until one is given.
-        """
-
-    @property
-    def plain(self) -> bool:
-        """
-        While it is set, no macro is called: the replaced built-in commands run.
-        """
-
-    @plain.setter
-    def plain(self, arg: bool, /) -> None: ...
-
     def forget_macros(self) -> None:
         """Drops the unread lines of a console's macros."""
 
-    def listen(self, line: int) -> None:
+    def watch_line(self, line: int) -> None:
         """
-        Records the commands of this line of the program, see heard. Call it before the line is read.
+        Records the commands of this line of the program, see `watched_line`. Call it before the line is read.
         """
 
     @property
-    def heard(self) -> tuple[str, bool, list[tuple[str, list[str], str]]]:
+    def watched_line(self) -> tuple[str, bool, list[tuple[str, list[str], str]]]:
         """
-        (number, whether it had a checksum, [(code, words, text), …]) of the line given to listen. The code is empty for a move with the modal code of the last one. The text is what follows the code.
+        (number, whether it had a checksum, [(code, words, text), …]) of the line given to watch_line. The code is empty for a move with the modal code of the last one. The text is what follows the code.
         """
 
     @property
     def ends_in_move(self) -> bool:
         """All text was read, and the last line is a move without an end of line."""
-
-    @property
-    def error(self) -> tuple[int, Fault, str, float, float, tuple[float, float, float]]:
-        """
-        (line, fault, word, value, limit, point) of the error that advance stopped at.
-        """
-
-    @property
-    def clamped(self) -> list[tuple[tuple[int, Fault, str, float, float, tuple[float, float, float]], int]]:
-        """
-        The effects of `clamp`: for each axis, the first target that was moved to the limit, in the form of `error`, and the number of such targets; then the same for skipped moves.
-        """
 
     def use_survey(self, survey: Survey) -> None:
         """
@@ -1930,15 +2023,20 @@ class Job:
         """
 
     @property
-    def calls(self) -> bool:
+    def has_calls(self) -> bool:
         """The program has sub-programs."""
 
-    @property
-    def ignore_calls(self) -> bool:
-        """M98 of a sub-program that is missing is an event, not an error."""
+    def watch_height(self, low_mm: float, high_mm: float) -> None:
+        """
+        Before a move that prints below or above these heights, `advance` stops once at an event TUNING_TOWER with the height as its word Z. Infinite without a tower.
+        """
 
-    @ignore_calls.setter
-    def ignore_calls(self, arg: bool, /) -> None: ...
+    @property
+    def feature_names(self) -> list[str]:
+        """The kinds of lines that the comments of the file name."""
+
+class JobOptions:
+    """How a job treats lines that the machine cannot carry out."""
 
     @property
     def clamp(self) -> bool:
@@ -1950,6 +2048,12 @@ class Job:
     def clamp(self, arg: bool, /) -> None: ...
 
     @property
+    def clamped(self) -> list[tuple[tuple[int, Fault, str, float, float, tuple[float, float, float]], int]]:
+        """
+        The effects of `clamp`: for each axis, the first target that was moved to the limit, in the form of `error`, and the number of such targets; then the same for skipped moves.
+        """
+
+    @property
     def ignore_tools(self) -> bool:
         """Selecting a missing tool is an event, not an error."""
 
@@ -1957,50 +2061,90 @@ class Job:
     def ignore_tools(self, arg: bool, /) -> None: ...
 
     @property
-    def commands(self) -> int:
-        """The number of commands read, including unknown ones."""
+    def ignore_calls(self) -> bool:
+        """M98 of a sub-program that is missing is an event, not an error."""
+
+    @ignore_calls.setter
+    def ignore_calls(self, arg: bool, /) -> None: ...
 
     @property
-    def line(self) -> int: ...
+    def plain(self) -> bool:
+        """
+        While it is set, no macro is called: the replaced built-in commands run.
+        """
+
+    @plain.setter
+    def plain(self, arg: bool, /) -> None: ...
+
+class JobModes:
+    """
+    The modal state of the program: units, positioning, retraction, offsets of coordinates.
+    """
 
     @property
-    def layer(self) -> int: ...
+    def now(self) -> tuple[bool, bool, float]:
+        """
+        (G90, M82, feedrate in mm/s): the modal state of the selected source. The feedrate is infinite until one is given.
+        """
 
     @property
-    def tool(self) -> int: ...
+    def gcode(self) -> str:
+        """
+        G-code, one command a line, that sets tool, feedrate, plane, absolute or relative positions, and last the units.
+        """
 
     @property
-    def feature_names(self) -> list[str]: ...
+    def retraction(self) -> tuple[float, float, float, float, float, float, float]:
+        """
+        (mm, mm/s, hop mm, extra mm, mm/s back or 0, mm and extra mm of G10 S1) of M207 and M208.
+        """
 
     @property
-    def objects(self) -> list[tuple[str, bool, str, str]]:
+    def auto_retract(self) -> bool:
+        """The state of M209: moves of E alone retract like G10."""
+
+    def shift_zero(self, axis: int, mm: float) -> None:
+        """
+        Moves the program's zero (X, Y, Z) without motion: the next move of the axis carries it out.
+        """
+
+    def keep_offset(self, axis: int, mm: float) -> None:
+        """
+        Whenever the axis (X, Y, Z) homes, the program's zero is `mm` further from that of the axis. Calls add up. Now nothing changes.
+        """
+
+class JobObjects:
+    """The objects of the program, which can be cancelled one by one."""
+
+    @property
+    def all(self) -> list[tuple[str, bool, str, str]]:
         """
         (name, cancelled, centre, outline) of each object of the program, by number. Centre and outline are as in the file, or empty.
         """
 
     @property
-    def objects_version(self) -> int:
+    def version(self) -> int:
         """
-        A number that changes with each change of `objects`, and with each program.
-        """
-
-    def watch_height(self, low_mm: float, high_mm: float) -> None:
-        """
-        Before a move that prints below or above these heights, `advance` stops once at an event TUNING_TOWER with the height as its word Z. Infinite without a tower.
+        A number that changes with each change of `all`, and with each program.
         """
 
-    def object_of_line(self, line: int) -> int:
+    def of_line(self, line: int) -> int:
         """
         The object that a recent line of the main program belongs to; -1: none.
         """
 
-    def find_objects(self, name: str) -> list[int]:
+    def find(self, name: str) -> list[int]:
         """Numbers of the objects of this name, in upper or lower case."""
 
-    def cancel_object(self, number: int, cancelled: bool = True) -> None:
+    def cancel(self, number: int, cancelled: bool = True) -> None:
         """
         Skips the moves of the object that are read from now on, or no longer skips them.
         """
+
+class JobPlan:
+    """
+    The plan: moves from outside of the program, and changes after a clock.
+    """
 
     @property
     def queued(self) -> int:
@@ -2009,6 +2153,128 @@ class Job:
     @property
     def queued_ticks(self) -> float:
         """The minimum duration of these moves in ticks."""
+
+    def move_to(self, target: Sequence[float], feed_mm_s: float, within: Within = Within.LIMITS) -> bool:
+        """
+        A straight move in machine coordinates (NaN: the axis does not move). If the move takes too long, or is not within the limits of `within`, returns False and changes nothing, see error.
+        """
+
+    def add_pieces(self, pieces: Sequence[tuple[float, Sequence[Sequence[float]]]], end: Sequence[float] | None = None) -> None:
+        """
+        Adds motion that is planned already, after the moves pushed so far. Each piece has its duration in s and, for each axis, then E, up to six coefficients of a polynomial of time: mm, mm/s, mm/s^2 and so on. Pieces must join to 1e-6 mm. `end` is the exact end of the last piece; by default, the end of its polynomials. Raises ValueError.
+        """
+
+    def wait_until(self, ticks: float) -> None:
+        """The machine is idle until this clock. Call it only after flush."""
+
+    def replan_from(self, ticks: float) -> float:
+        """
+        Plans again from this clock on with the present limits. Returns the clock of the cut.
+        """
+
+    def skip_dwell_from(self, ticks: float) -> float | None:
+        """
+        Ends the dwell at this clock. Returns the clock of the cut, or None if there is no dwell.
+        """
+
+    def shift_from(self, ticks: float, axis: int, mm: float) -> float | None:
+        """
+        Shifts all motion from this clock on by `mm` along an axis. Returns the clock of the cut, or None if an end would be out of range, see error.
+        """
+
+    def shift(self, axis: int, mm: float) -> bool:
+        """
+        Shifts all motion after the moves read so far. False if an end would be out of range, see error.
+        """
+
+    def absorb_shift(self, axis: int, mm: float) -> None:
+        """
+        Earlier shifts of `mm` are part of the height map or of the axis' zero from now on. Call it at standstill, after a call of `axes.set_position` or `bed.set_height_map`: no coordinate of the program changes, and suspended moves end where they did.
+        """
+
+    def passed(self, ticks: float) -> None:
+        """
+        Nothing before this clock will be planned again, for example because it has passed.
+        """
+
+    @property
+    def rests(self) -> bool:
+        """The settled plan ends at standstill, so queued moves may begin later."""
+
+    @property
+    def handed_out(self) -> int:
+        """Clock of the last message, ticks."""
+
+class JobStops:
+    """Stops on the path, and the suspension of the rest of the plan."""
+
+    def hold_from(self, ticks: float) -> float:
+        """
+        Brakes to a stop on the path from this clock on. Returns the clock of the cut.
+        """
+
+    @property
+    def holds(self) -> bool:
+        """Moves wait for `release`."""
+
+    @property
+    def held(self) -> int:
+        """The number of moves that wait for `release`."""
+
+    def release(self) -> None:
+        """Continues the moves that hold_from has stopped."""
+
+    def stop_from(self, ticks: float, program: bool = True) -> float:
+        """
+        Brakes to a stop from this clock on and drops later moves. Returns the clock of the cut.
+        """
+
+    def suspend(self, hand_over_macro: bool = False) -> None:
+        """
+        Call it after `hold_from`. Until `resume`, other moves are possible. With `hand_over_macro`, the rest of the macro that the program has called is read as if a console had called it.
+        """
+
+    @property
+    def suspended(self) -> bool:
+        """A plan is suspended."""
+
+    def resume(self) -> None:
+        """Resumes the suspended plan; the machine must be back at `position`."""
+
+    def forget_suspended(self) -> None:
+        """Drops the suspended plan."""
+
+    @property
+    def position(self) -> list[float]:
+        """
+        The position at which a suspended job resumes: X, Y, Z, E and further axes, in machine mm.
+        """
+
+class JobCommits:
+    """The commits of boards that stop by themselves when their link is lost."""
+
+    def use(self, period: int, most: int) -> None:
+        """
+        From now on messages come in commits of at most this many ticks and messages. Call it only while the machine is idle.
+        """
+
+    def stop(self) -> None:
+        """
+        From now on messages do not come in commits. Call it only at standstill.
+        """
+
+    def recover_from(self, serial: int) -> float | None:
+        """
+        The boards have stopped by themselves after this commit: the moves after it are held until `release`. Returns the clock of the commit. If the commit is not known any more, returns None and changes nothing.
+        """
+
+    def between_stops(self, serial: int, next: int) -> list[int] | None:
+        """
+        For each motor, the net steps from the stop after commit `serial` to the stop after the following commit `next`. None if the commits are not known, or not consecutive.
+        """
+
+class JobOutputs:
+    """Timed events of outputs, of the laser and of the host."""
 
     def record(self, target: int, value: int) -> None:
         """
@@ -2040,169 +2306,41 @@ class Job:
         The laser's fraction of full power at the feedrate of later moves. The power decreases in proportion where they are slower, and is 0 at standstill. 0: only records set the power.
         """
 
-    def flush(self) -> None:
-        """Settles all moves, for a stop at the end."""
+class JobAxes:
+    """The positions of the axes, set without motion."""
 
-    def wait_until(self, ticks: float) -> None:
-        """The machine is idle until this clock. Call it only after flush."""
-
-    def replan_from(self, ticks: float) -> float: ...
-
-    def skip_dwell_from(self, ticks: float) -> float | None:
-        """
-        Ends the dwell at this clock. Returns the clock of the cut, or None if there is no dwell.
-        """
-
-    def hold_from(self, ticks: float) -> float: ...
-
-    def use_commits(self, period: int, most: int) -> None:
-        """
-        From now on messages come in commits of at most this many ticks and messages. Call it only while the machine is idle.
-        """
-
-    def stop_commits(self) -> None:
-        """
-        From now on messages do not come in commits. Call it only at standstill.
-        """
-
-    def recover_from(self, serial: int) -> float | None:
-        """
-        The boards have stopped by themselves after this commit: the moves after it are held until `release`. Returns the clock of the commit. If the commit is not known any more, returns None and changes nothing.
-        """
-
-    def between_stops(self, serial: int, next: int) -> list[int] | None:
-        """
-        For each motor, the net steps from the stop after commit `serial` to the stop after the following commit `next`. None if the commits are not known, or not consecutive.
-        """
-
-    @property
-    def holds(self) -> bool:
-        """Moves wait for `release`."""
-
-    def release(self) -> None: ...
-
-    def stop_from(self, ticks: float, program: bool = True) -> float:
-        """
-        Brakes to a stop from this clock on and drops later moves. Returns the clock of the cut.
-        """
-
-    def suspend(self, hand_over_macro: bool = False) -> None:
-        """
-        Call it after hold_from. Until resume, other moves are possible. With `hand_over_macro`, the rest of the macro that the program has called is read as if a console had called it.
-        """
-
-    @property
-    def suspended(self) -> bool: ...
-
-    def resume(self) -> None:
-        """Resumes the suspended plan; the machine must be back at stop_position."""
-
-    def forget_suspended(self) -> None: ...
-
-    def shift_from(self, ticks: float, axis: int, mm: float) -> float | None:
-        """
-        Shifts all motion from this clock on by `mm` along an axis. Returns the clock of the cut, or None if an end would be out of range, see error.
-        """
-
-    def shift(self, axis: int, mm: float) -> bool:
-        """
-        Shifts all motion after the moves read so far. False if an end would be out of range, see error.
-        """
-
-    def shift_zero(self, axis: int, mm: float) -> None:
-        """
-        Moves the program's zero (X, Y, Z) without motion: the next move of the axis carries it out.
-        """
-
-    def keep_offset(self, axis: int, mm: float) -> None:
-        """
-        Whenever the axis (X, Y, Z) homes, the program's zero is `mm` further from that of the axis. Calls add up. Now nothing changes.
-        """
-
-    def absorb_shift(self, axis: int, mm: float) -> None:
-        """
-        Earlier shifts of `mm` are part of the height map or of the axis' zero from now on. Call it at standstill, after stand_at or set_height_map: no coordinate of the program changes, and suspended moves end where they did.
-        """
-
-    def passed(self, ticks: float) -> None:
-        """
-        Nothing before this clock will be planned again, for example because it has passed.
-        """
-
-    @property
-    def held(self) -> int: ...
-
-    @property
-    def clock(self) -> float:
-        """End of the settled plan, ticks."""
-
-    @property
-    def rests(self) -> bool:
-        """The settled plan ends at standstill, so queued moves may begin later."""
-
-    @property
-    def handed_out(self) -> int:
-        """Clock of the last message, ticks."""
-
-    def settle_position(self) -> None:
+    def settle(self) -> None:
         """
         After homing: ends the plan, and sets the position of the machine to that of the program.
         """
 
-    @property
-    def stop_position(self) -> list[float]:
-        """
-        The position at which a suspended job resumes: X, Y, Z, E and further axes, in machine mm.
-        """
-
-    def use_tool(self, tool: int) -> None:
-        """
-        Selects this tool with its offset, as if the program had selected it. Nothing moves. Tool 0 is valid on a machine without tools, too.
-        """
-
-    @property
-    def machine_position(self) -> list[float]:
-        """
-        End of the plan: X, Y, Z, E of the tool in use and further axes, in machine mm.
-        """
-
-    def move_to(self, target: Sequence[float], feed_mm_s: float, within: Within = Within.LIMITS) -> bool:
-        """
-        A straight move in machine coordinates (NaN: the axis does not move). If the move takes too long, or is not within the limits of `within`, returns False and changes nothing, see error.
-        """
-
-    def add_pieces(self, pieces: Sequence[tuple[float, Sequence[Sequence[float]]]], end: Sequence[float] | None = None) -> None:
-        """
-        Adds motion that is planned already, after the moves pushed so far. Each piece has its duration in s and, for each axis, then E, up to six coefficients of a polynomial of time: mm, mm/s, mm/s^2 and so on. Pieces must join to 1e-6 mm. `end` is the exact end of the last piece; by default, the end of its polynomials. Raises ValueError.
-        """
-
-    def set_axes(self, places: Sequence[tuple[int, float]], homed: bool = False, triggered: bool = False) -> None:
+    def set(self, places: Sequence[tuple[int, float]], homed: bool = False, triggered: bool = False) -> None:
         """
         Sets the positions of these axes, by number, in mm, without motion. With `homed`, they are homed there. `triggered`: an endstop has found the positions, so the gap of the drives is taken up in the direction of the last steps.
         """
 
-    def stand_at(self, places: Sequence[tuple[int, float]]) -> None:
+    def set_position(self, places: Sequence[tuple[int, float]]) -> None:
         """
         Sets the position of the machine (slots, machine mm), without motion. The program's offsets stay.
         """
 
-    def use_joints(self, on: bool) -> None:
-        """
-        From now on X, Y and Z are the first three actuators of a nonlinear geometry, or the axes again. Call it only at standstill; set_axes must follow.
-        """
-
-    def renew_steppers(self, steppers: Sequence[int]) -> None:
-        """
-        An endstop has stopped these motors: their clocks are sent again before the next step.
-        """
-
-    def lock_axis(self, axis: int, locked: bool) -> None:
+    def lock(self, axis: int, locked: bool) -> None:
         """
         The position of a locked axis is unknown: its moves are errors until the position is set.
         """
 
-    @property
-    def locked_axes(self) -> list[int]: ...
+    def use_joints(self, on: bool) -> None:
+        """
+        From now on X, Y and Z are the first three actuators of a nonlinear geometry, or the axes again. Call it only at standstill; `axes.set` must follow.
+        """
+
+    def set_geometry(self, spec: dict[str, Any]) -> None:
+        """
+        Changes the parameters of the machine's geometry. Call it only at standstill. No motor moves; `axes.set` must follow.
+        """
+
+class JobHistory:
+    """Lines and positions at a clock of about the last second."""
 
     def line_at(self, ticks: float) -> int:
         """
@@ -2234,41 +2372,53 @@ class Job:
         Net filament that an extruder has pushed until a clock of about the last second, mm, without pressure advance. It grows over the whole job, whatever G92 sets.
         """
 
+class JobMotors:
+    """The motors, by their number in the machine."""
+
     def set_steps_per_unit(self, stepper: int, value: float) -> None:
         """Changes the steps per unit of a motor. Call it only at standstill."""
 
-    def set_geometry(self, spec: dict[str, Any]) -> None:
+    def leave_out(self, steppers: Sequence[int]) -> None:
         """
-        Changes the parameters of the machine's geometry. Call it only at standstill. No motor moves; set_axes must follow.
+        These motors, by number, make no steps for later moves; all others do. Call it only at standstill. After moves without a motor, `axes.set` must follow.
         """
 
-    def let_rest(self, steppers: Sequence[int]) -> None:
+    def renew(self, steppers: Sequence[int]) -> None:
         """
-        These motors, by number, make no steps for later moves; all others do. Call it only at standstill. After moves without a motor, set_axes must follow.
+        An endstop has stopped these motors: their clocks are sent again before the next step.
         """
+
+    def statistics(self) -> list[dict[str, Any]]:
+        """Totals of the steps of each motor by name."""
+
+class JobTools:
+    """The tools and their offsets."""
+
+    def use(self, tool: int) -> None:
+        """
+        Selects this tool with its offset, as if the program had selected it. Nothing moves. Tool 0 is valid on a machine without tools, too.
+        """
+
+    def set_offset(self, tool: int, axis: int, mm: float) -> None:
+        """M218: the offset of a tool along X, Y or Z."""
+
+    @property
+    def offsets(self) -> list[list[float]]:
+        """The offsets of each tool in mm: X, Y, Z."""
+
+    @property
+    def offset_due(self) -> list[float]:
+        """
+        The additional distance in mm that the next move of an axis makes in X, Y and Z, because of a tool change or a changed tool offset.
+        """
+
+class JobBed:
+    """The bed correction."""
 
     def set_height_map(self, first: tuple[float, float], spacing: tuple[float, float], heights: Sequence[Sequence[float]], fade: tuple[float, float, float] | None = None) -> None:
         """
         Sets the bed correction: heights in mm on an even grid. Rows are along X; the first row is at the Y of `first`. Between the points the height is bilinear; beyond the grid it continues level. With a `fade` of start, end and target in mm, the correction acts in full up to Z start, and changes linearly to the target at Z end. Without rows the bed is flat. No motor moves, but Z of the plan changes. Call it only while nothing is queued. Raises ValueError.
         """
-
-    def set_filter(self, name: str, index: int, numbers: Sequence[float]) -> None:
-        """
-        Changes a setting of a motion filter (core/machine/filters/) for one axis or extruder, 0 for a setting of the machine: its name and numbers, as in the machine's description, without brackets between them. Call it only at standstill.
-        """
-
-    def set_advance(self, extruder: int, seconds: float) -> None:
-        """Sets the pressure advance of later moves."""
-
-    def pressure_advance(self, extruder: int) -> float:
-        """The value of set_advance, s."""
-
-    @property
-    def filters_delay_s(self) -> float:
-        """The delay of all motors relative to the plan, s, in whole ticks."""
-
-    def use_filters(self, on: bool) -> None:
-        """Switches all motion filters on or off. Call it only at standstill."""
 
     def follow_tool(self) -> None:
         """
@@ -2276,7 +2426,7 @@ class Job:
         """
 
     @property
-    def bed_is_apart(self) -> bool:
+    def is_apart(self) -> bool:
         """Whether the correction of Z is that at the place of another tool."""
 
     def plan_z(self, x: float, y: float, height: float) -> float:
@@ -2287,47 +2437,29 @@ class Job:
     def nozzle_height(self, x: float, y: float, z: float) -> float:
         """The Z of the plan plus the bed correction there, in mm."""
 
-    def set_tool_offset(self, tool: int, axis: int, mm: float) -> None: ...
+class JobFilters:
+    """The motion filters."""
+
+    def set(self, name: str, index: int, numbers: Sequence[float]) -> None:
+        """
+        Changes a setting of a motion filter (core/machine/filters/) for one axis or extruder, 0 for a setting of the machine: its name and numbers, as in the machine's description, without brackets between them. Call it only at standstill.
+        """
+
+    def use(self, on: bool) -> None:
+        """Switches all motion filters on or off. Call it only at standstill."""
+
+    def set_advance(self, extruder: int, seconds: float) -> None:
+        """Sets the pressure advance of later moves."""
+
+    def advance(self, extruder: int) -> float:
+        """The pressure advance of an extruder, s."""
 
     @property
-    def tool_offsets(self) -> list[list[float]]: ...
+    def delay_s(self) -> float:
+        """The delay of all motors relative to the plan, s, in whole ticks."""
 
-    @property
-    def offset_due(self) -> list[float]:
-        """
-        The additional distance in mm that the next move of an axis makes in X, Y and Z, because of a tool change or a changed tool offset.
-        """
-
-    @property
-    def retraction(self) -> tuple[float, float, float, float, float, float, float]:
-        """
-        (mm, mm/s, hop mm, extra mm, mm/s back or 0, mm and extra mm of G10 S1) of M207 and M208.
-        """
-
-    @property
-    def filament_diameters(self) -> list[float] | None:
-        """
-        The filament diameter of each extruder in mm if E is a volume (M200); otherwise None.
-        """
-
-    @property
-    def filament_changes(self) -> list[tuple[float, float]]:
-        """The lengths in mm that M701 loads and M702 unloads, of each extruder."""
-
-    @property
-    def modes(self) -> str:
-        """
-        G-code, one command a line, that sets tool, feedrate, plane, absolute or relative positions, and last the units.
-        """
-
-    @property
-    def auto_retract(self) -> bool: ...
-
-    def limit(self, name: str) -> float:
-        """The value of a limit, named as in set_limit."""
-
-    def axis_limit(self, axis: str, what: str) -> float:
-        """The `speed`, `accel` or `jerk` of an axis or extruder now."""
+class JobFilament:
+    """What scales and limits the motion of filament."""
 
     @property
     def cold(self) -> bool:
@@ -2340,7 +2472,7 @@ class Job:
         """The same for an axis, by number, that moves filament."""
 
     @property
-    def filament_scale(self) -> float:
+    def scale(self) -> float:
         """
         mm of filament of the tool in use for a mm, or mm3, of the program's E.
         """
@@ -2358,6 +2490,39 @@ class Job:
         """
 
     @property
+    def diameters(self) -> list[float] | None:
+        """
+        The filament diameter of each extruder in mm if E is a volume (M200); otherwise None.
+        """
+
+    @property
+    def changes(self) -> list[tuple[float, float]]:
+        """The lengths in mm that M701 loads and M702 unloads, of each extruder."""
+
+class JobLimits:
+    """The limits of moves, and the speed factor."""
+
+    def value(self, name: str) -> float:
+        """The value of a limit, named as in `set`."""
+
+    def set(self, name: str, value: float, live: bool = False) -> None:
+        """
+        Changes a limit for later moves; with `live`, also for moves that are planned again.
+        """
+
+    def of_axis(self, axis: str, what: str) -> float:
+        """The `speed`, `accel` or `jerk` of an axis or extruder now."""
+
+    def set_of_axis(self, axis: str, what: str, value: float, live: bool = False) -> None:
+        """
+        Changes the `speed`, `accel` or `jerk` of an axis like `set`, at most to the machine's own limit.
+        """
+
+    @property
+    def names(self) -> list[str]:
+        """The names of all limits of a move, in the order of their numbers."""
+
+    @property
     def speed_factor(self) -> float:
         """M220, as a factor."""
 
@@ -2366,19 +2531,14 @@ class Job:
         M220 for later moves; with `live`, also for moves that are planned again from now on.
         """
 
-    def set_limit(self, name: str, value: float, live: bool = False) -> None:
-        """
-        Changes a limit for later moves; with `live`, also for moves that are planned again.
-        """
+class JobResults:
+    """Records of the plan, and statistics."""
 
-    def set_axis_limit(self, axis: str, what: str, value: float, live: bool = False) -> None:
-        """
-        Changes the `speed`, `accel` or `jerk` of an axis like set_limit, at most to the machine's own limit.
-        """
+    def keep_moves(self, on: bool) -> None:
+        """With `on`, records the settled moves, see take_moves."""
 
-    def keep_moves(self, on: bool) -> None: ...
-
-    def take_moves(self) -> list[Move]: ...
+    def take_moves(self) -> list[Move]:
+        """Returns the moves settled since the last call, in order."""
 
     def keep_toolpath(self) -> None:
         """From now on records the path of all moves."""
@@ -2412,11 +2572,8 @@ class Job:
         Ideal ticks (float64) of the steps made into commands since the last call.
         """
 
-    @property
-    def limit_names(self) -> list[str]: ...
+    def statistics(self) -> dict[str, Any]:
+        """Totals of the plan by name."""
 
-    def statistics(self) -> dict[str, Any]: ...
-
-    def steppers(self) -> list[dict[str, Any]]: ...
-
-    def cpu(self) -> dict[str, float]: ...
+    def cpu(self) -> dict[str, float]:
+        """Processor time in s of each part of the planning."""

@@ -435,7 +435,7 @@ def test_explain_takes_no_longer_than_its_line(capsys, tmp_path, monkeypatch, li
     path.write_text(f"G28\nG1 F6000\n{moves}G29\n")
     assert "  x: 80, the first at" in explained(capsys, path, line)
     (job,) = prints
-    read = job.job.statistics()["lines"]
+    read = job.job.results.statistics()["lines"]
     assert line < read < line + 20_000
     assert max(len(commands) for commands in kept) < 60_000  # of 200_000
 

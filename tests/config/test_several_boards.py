@@ -128,4 +128,4 @@ def test_boards_beyond_the_fourth_budget_share_its_minimum() -> None:
     weakest = machine.all_boards["b3"].budget_spec()
     assert weakest is not None
     assert last == weakest | {"boards": [3, 4]}
-    assert Job(machine.core_spec()).statistics()["densest"]["steps_s"] == [(0, 0.0)] * 4
+    assert Job(machine.core_spec()).results.statistics()["densest"]["steps_s"] == [(0, 0.0)] * 4

@@ -23,7 +23,7 @@ def test_jog_of_a_page_leaves_modes_and_feedrate_as_they_were():
         for line in ("SAVE_GCODE_STATE NAME=_ui_movement", "G91", "G1 X+10 F6000"):
             s.host.ok(line)
         send(s, "RESTORE_GCODE_STATE NAME=_ui_movement", "G1 Y60")
-        assert s.printer.rig.job.modal == (True, True, 50.0)
+        assert s.printer.rig.job.modes.now == (True, True, 50.0)
         assert position(s).startswith("X:60.000 Y:60.000 Z:10.000")
 
 
@@ -42,7 +42,10 @@ def test_restored_state_counts_filament_and_factors_from_where_it_was():
         send(s, "G28", "M302 S0", "M82", "G1 E5 F300", "M220 S80", "SAVE_GCODE_STATE")
         send(s, "M83", "G1 E7", "M220 S150", "M221 S50", "G1 Z5", "RESTORE_GCODE_STATE")
         assert "E:5.0000" in position(s)
-        assert (s.printer.rig.job.speed_factor, s.printer.rig.job.flows) == (0.8, [1.0])
+        assert (s.printer.rig.job.limits.speed_factor, s.printer.rig.job.filament.flows) == (
+            0.8,
+            [1.0],
+        )
         s.host.ok("G1 E6")  # absolute again: 1 mm
         assert "E:6.0000" in position(s)
 

@@ -173,14 +173,14 @@ def test_m900_in_mid_print_stops_nothing(machine):
 
     def moves(text):
         job = Job(config.load(machine).core_spec())
-        job.keep_moves(True)
+        job.results.keep_moves(True)
         job.feed(text.encode())
         while job.advance() == JobStatus.EVENT:
             code, value = job.event[1:3], job.event[5]
             assert code == ("M", 900)
-            job.set_advance(0, float(value.strip().removeprefix("K")))
+            job.filters.set_advance(0, float(value.strip().removeprefix("K")))
         job.flush()
-        return [m.end_speed for m in job.take_moves()]
+        return [m.end_speed for m in job.results.take_moves()]
 
     with_advances = moves("G1 X50 Y50 F6000\n" + PART)
     without = "\n".join(line for line in PART.splitlines() if not line.startswith("M900"))

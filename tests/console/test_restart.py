@@ -148,7 +148,7 @@ def test_plan_changes_do_not_act_while_halted(s, line):
     s.host.send(line, "M112")
     s.host.expect("Printer stopped: emergency stop by M112", 3)
     assert s.printer.motion.offsets.babysteps_mm["z"] == 0
-    assert s.printer.rig.job.speed_factor == 1
+    assert s.printer.rig.job.limits.speed_factor == 1
     assert s.host.ok("M410") == ["ok"]
     s.host.ok("M999")
     assert s.host.ok("G28", 60) == ["ok"]

@@ -108,10 +108,10 @@ def test_report_omits_settings_that_follow_from_others(s):
     for line in report(s):
         s.host.ok(line.removeprefix("echo:"))
     s.host.ok("M207 F1200")
-    assert s.printer.rig.job.retraction[1:5:3] == (20.0, 0.0)
+    assert s.printer.rig.job.modes.retraction[1:5:3] == (20.0, 0.0)
     for line in ("M208 F600", "M208 F0"):
         assert s.host.ok(line) == ["ok"]
-    assert s.printer.rig.job.retraction[4] == 0.0
+    assert s.printer.rig.job.modes.retraction[4] == 0.0
 
 
 def test_stored_settings_come_back_at_the_next_start(tmp_path):
@@ -379,7 +379,7 @@ def test_a_new_feed_factor_acts_on_moves_that_are_planned(s):
     s.passes(3)
     assert s.positions()["x"] == pytest.approx(120, abs=0.1)
     assert "S is -5" in s.host.ok("M220 S-5")[0]
-    assert s.printer.rig.job.speed_factor == 4
+    assert s.printer.rig.job.limits.speed_factor == 4
 
 
 def test_the_flow_is_reported(s):
@@ -489,9 +489,10 @@ def test_babysteps_shift_the_moves_that_follow(s):
 
 def of_both_extruders(s):
     job = s.printer.rig.job
-    scales = {row["name"]: row["steps_per_unit"] for row in job.steppers()}
+    scales = {row["name"]: row["steps_per_unit"] for row in job.motors.statistics()}
     return [
-        (scales[e], job.axis_limit(e, "speed"), job.axis_limit(e, "accel")) for e in ("e", "e1")
+        (scales[e], job.limits.of_axis(e, "speed"), job.limits.of_axis(e, "accel"))
+        for e in ("e", "e1")
     ]
 
 

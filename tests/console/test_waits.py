@@ -306,7 +306,8 @@ def test_a_line_that_no_plan_holds_is_done_to_its_end():
         s.host.ok("M400", 60)
         assert s.printer.rig.connection.heaters["hotend"].target == 100
         circles = (
-            s.printer.rig.job.statistics()["print_mm"] + s.printer.rig.job.statistics()["travel_mm"]
+            s.printer.rig.job.results.statistics()["print_mm"]
+            + s.printer.rig.job.results.statistics()["travel_mm"]
         )
         assert circles == pytest.approx(11000 * 2 * pi, rel=2e-3)  # of chords
 

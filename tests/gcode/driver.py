@@ -58,14 +58,14 @@ def run(
     sub-programs if it is `surveyed`."""
     data = text.encode() if isinstance(text, str) else text
     job = Job(spec(machine) if isinstance(machine, str) else machine, False, **policy)
-    job.keep_moves(True)
+    job.results.keep_moves(True)
     out = Outcome()
     ends = ("M2", "M30", "M99") if surveyed else ()
     if surveyed:
         survey = Survey(spec(machine) if isinstance(machine, str) else machine)
         survey.feed(data)
         survey.finish()
-        job.use_survey(survey)
+        job.program.use_survey(survey)
     if isinstance(data, bytes):
         data = [data[i : i + chunk] for i in range(0, len(data), chunk)] if chunk else [data]
     for piece in data:
@@ -74,9 +74,9 @@ def run(
     job.finish()
     _drain(job, out, ends)
     job.flush()
-    out.moves = job.take_moves()
-    out.statistics = job.statistics()
-    out.clamped = job.clamped
+    out.moves = job.results.take_moves()
+    out.statistics = job.results.statistics()
+    out.clamped = job.options.clamped
     return out
 
 
@@ -85,7 +85,7 @@ def _drain(job: Job, out: Outcome, ends: tuple[str, ...]) -> None:
         if status == JobStatus.EVENT:
             out.events.append(job.event)
             if out.commands[-1].startswith("G28"):
-                job.settle_position()
+                job.axes.settle()
             out.ended = out.commands[-1] in ends
             if out.ended:
                 return

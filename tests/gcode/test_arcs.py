@@ -226,7 +226,7 @@ def before_and_after(machine, before, line):
     """A job after these lines and after one more that is refused: its error, and where machine and
     program are before and after it, with the moves that it has made."""
     job = Job(spec(machine) if isinstance(machine, str) else machine, True)
-    job.keep_moves(True)
+    job.results.keep_moves(True)
     states = []
     for text in (before, line):
         job.feed(f"{text}\n".encode())
@@ -235,7 +235,7 @@ def before_and_after(machine, before, line):
         if found == JobStatus.ERROR:
             job.abandon()
         job.flush()
-        made = len(job.take_moves())
+        made = len(job.results.take_moves())
         states.append((job.machine_position, job.program_position, job.clock))
     assert found == JobStatus.ERROR
     return job, made, *states
@@ -288,7 +288,7 @@ def test_an_arc_beyond_the_limits_is_refused_before_it_moves(before, line, axis,
     job.feed(b"G90\nG17\nG21\nG1 X60\n")
     assert job.advance() == JobStatus.NEED_INPUT
     job.flush()
-    assert [m.cruise_speed for m in job.take_moves()] == [
+    assert [m.cruise_speed for m in job.results.take_moves()] == [
         pytest.approx(20 if "G20" not in before else 300)
     ]
 
@@ -298,7 +298,7 @@ def test_an_arc_beyond_the_limits_is_refused_before_it_moves(before, line, axis,
 )
 def test_an_arc_from_an_endstop_beyond_the_limit_leads_back_only(line):
     job = Job(spec("i3"), False)
-    job.set_axes([(0, -2.2)])
+    job.axes.set([(0, -2.2)])
     job.feed(f"M83\n{line}\n".encode())
     found = job.advance()
     if "I-1.1" in line:
@@ -345,7 +345,7 @@ def test_stopped_arc_counts_filament_moved_so_far():
     job.feed(b"G1 X50 Y100 E1 F3000\nG2 X50 Y100 I50 P3 E61\n")
     assert job.advance(6 * 16e6) == JobStatus.FULL  # the arc has not been read to its end
     job.flush()
-    job.stop_from(0.5 * job.clock)
+    job.stops.stop_from(0.5 * job.clock)
     e = job.machine_position[3]
     assert 1 < e < 60
     assert job.program_position[3] == pytest.approx(e, abs=1e-12)
@@ -362,17 +362,17 @@ def test_move_skipped_after_event_of_its_line_counts_no_filament():
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_rest_of_arc_is_offset_after_babystep(axis):
     job = Job(spec("unbounded"), False)
-    job.keep_moves(True)
+    job.results.keep_moves(True)
     job.feed(b"G1 X25 Y110 F6000\nG2 X25 Y110 I100\nG1 X0\n")
     job.advance(6 * 16e6)
-    known = len(job.take_moves())
+    known = len(job.results.take_moves())
     assert known < 300  # of 332 moves
-    job.shift_from(job.clock, axis, 0.5)
+    job.plan.shift_from(job.clock, axis, 0.5)
     assert job.advance() == JobStatus.NEED_INPUT
     job.flush()
     centre, height = [125.0, 110.0, 0.0], 0.5 * (axis == 2)
     centre[axis] += 0.5
-    *chords, line = job.take_moves()[-30:]
+    *chords, line = job.results.take_moves()[-30:]
     for chord in chords:
         x, y, z = chord.end_mm[:3]
         assert hypot(x - centre[0], y - centre[1]) == pytest.approx(100, abs=1e-9)
@@ -383,14 +383,14 @@ def test_rest_of_arc_is_offset_after_babystep(axis):
 
 def test_rest_of_arc_extrudes_evenly_with_another_flow():
     job = Job(spec("unbounded"), False)
-    job.keep_moves(True)
+    job.results.keep_moves(True)
     job.feed(b"M83\nG1 X25 Y110 F6000\nG2 X25 Y110 I100 E33\n")
     job.advance(6 * 16e6)
-    (feed,) = {round(m.end_mm[3] - m.start_mm[3], 9) for m in job.take_moves()[1:]}
-    job.scale_flow_from(job.clock, 0, 0.5)
+    (feed,) = {round(m.end_mm[3] - m.start_mm[3], 9) for m in job.results.take_moves()[1:]}
+    job.filament.scale_flow_from(job.clock, 0, 0.5)
     assert job.advance() == JobStatus.NEED_INPUT
     job.flush()
-    chords = job.take_moves()[-60:]
+    chords = job.results.take_moves()[-60:]
     assert [m.end_mm[3] - m.start_mm[3] for m in chords] == pytest.approx([feed / 2] * 60, abs=1e-9)
 
 

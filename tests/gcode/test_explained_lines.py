@@ -19,7 +19,7 @@ SET_X A=1|(a G1 X2)|((b) M3)|; M5""".replace("\n", "|").split("|")
 def read(machine, line):
     """The codes handed out, and the commands heard; None where the line is an error."""
     job = _core.Job(machine.core_spec(), False)
-    job.listen(1)
+    job.program.watch_line(1)
     job.feed(line.encode() + b"\n")
     job.finish()
     codes = []
@@ -29,7 +29,11 @@ def read(machine, line):
         if found == _core.JobStatus.EVENT:
             command = Command(*job.event)
             codes.append("S" if command.letter == "S" else command.code)
-    return [code for code in codes if code not in MOTION], job.heard, job.commands
+    return (
+        [code for code in codes if code not in MOTION],
+        job.program.watched_line,
+        job.program.commands,
+    )
 
 
 def told(commands):
@@ -95,4 +99,4 @@ def test_words_before_a_command_are_its_own():
     job.finish()
     assert job.advance() == _core.JobStatus.END
     job.flush()
-    assert job.statistics()["dwell_s"] == 0.3
+    assert job.results.statistics()["dwell_s"] == 0.3

@@ -14,7 +14,7 @@ from passo._core import Job, JobStatus
 def job_of(text, machine=None, *, with_steps=False):
     """A job that has read a whole program; events `M221 E F` are carried out as F of extruder E."""
     job = Job(machine or spec("unbounded"), with_steps)
-    job.keep_moves(True)
+    job.results.keep_moves(True)
     job.feed(text.encode())
     job.finish()
     while (status := job.advance()) is not JobStatus.END:
@@ -22,7 +22,7 @@ def job_of(text, machine=None, *, with_steps=False):
         event = job.event
         if event[2] == 221:
             extruder, factor = event[5].split()
-            job.set_flow(int(extruder[1:]), float(factor[1:]))
+            job.filament.set_flow(int(extruder[1:]), float(factor[1:]))
     job.flush()
     return job
 
@@ -39,17 +39,17 @@ def test_each_extruder_has_its_own():
     del two["filters"]
     text = "M83\nM221 E1 F0.5\nG1 X1 E2\nT1\nG1 X2 E2\nT0\nG1 X3 E2\nM221 E0 F2\nG1 X4 E2\n"
     job = job_of(text, two)
-    assert lengths(job.take_moves()) == [2, 1, 2, 4]
-    assert job.flows == [2, 0.5]
+    assert lengths(job.results.take_moves()) == [2, 1, 2, 4]
+    assert job.filament.flows == [2, 0.5]
 
 
 @pytest.mark.parametrize("bad", [0.0, -0.5, float("inf"), float("nan")])
 def test_invalid_flow_is_refused(bad):
     job = job_of("")
     with pytest.raises(ValueError, match="above 0"):
-        job.set_flow(0, bad)
+        job.filament.set_flow(0, bad)
     with pytest.raises(IndexError):
-        job.set_flow(1, 1.0)
+        job.filament.set_flow(1, 1.0)
 
 
 @pytest.mark.parametrize(
@@ -69,27 +69,27 @@ def test_invalid_flow_is_refused(bad):
     ],
 )
 def test_a_retraction_is_given_back_whatever_the_flow_is_then(text, made):
-    assert lengths(job_of(text).take_moves()) == pytest.approx(made, abs=1e-12)
+    assert lengths(job_of(text).results.take_moves()) == pytest.approx(made, abs=1e-12)
 
 
 def test_a_volume_is_scaled_too():
     area = 3.141592653589793 * (1.75 / 2) ** 2
     text = f"M83\nM200 D1.75\nG1 E{-2 * area}\nM221 E0 F.5\nG1 E{2 * area}\nG1 E{area}"
-    assert lengths(job_of(text).take_moves()) == pytest.approx([-2, 2, 0.5], abs=1e-12)
+    assert lengths(job_of(text).results.take_moves()) == pytest.approx([-2, 2, 0.5], abs=1e-12)
 
 
 def test_event_before_removed_filament_keeps_its_position():
     """Twice 15 mm is an unloading, to which nothing is owed: the way back is no move any more."""
     job = Job(spec("unbounded"))
-    job.keep_moves(True)
+    job.results.keep_moves(True)
     job.feed(b"M83\nG1 X10 F3000\nG1 E-15\nG1 X20\nM7\nG1 E15\nG1 X30\nM8\nG1 X40\n")
     while job.advance() is JobStatus.EVENT:
-        job.mark(job.event[2], 1)
+        job.outputs.mark(job.event[2], 1)
     job.flush()
-    job.take_moves()
-    job.scale_flow_from(0.0, 0, 2.0)
+    job.results.take_moves()
+    job.filament.scale_flow_from(0.0, 0, 2.0)
     job.flush()
-    moves = job.take_moves()
+    moves = job.results.take_moves()
     assert [(m.end_mm[0], m.end_mm[3]) for m in moves] == [
         (10, 0),
         (10, -30),
@@ -99,9 +99,9 @@ def test_event_before_removed_filament_keeps_its_position():
     ]
     places = [(round(moves[i].start_ticks), number, 1) for i, number in ((3, 7), (4, 8))]
     marks = []
-    while job.next_mark is not None:
-        marks.append(job.next_mark)
-        job.pop_mark()
+    while job.outputs.next_mark is not None:
+        marks.append(job.outputs.next_mark)
+        job.outputs.pop_mark()
     assert marks == places
 
 
@@ -119,13 +119,13 @@ def test_any_program_from_any_clock(words, where, factor, behind):
     """Retractions before, around and behind the change; and lines that are read after it."""
     text = "M83\nG1 F1200\n" + "".join(f"G1 {w}\n" for w in words)
     job = Job(spec("unbounded"), True)
-    job.keep_moves(True)
+    job.results.keep_moves(True)
     job.feed(text.encode())
     assert job.advance() is JobStatus.NEED_INPUT
     job.flush()
-    moves = job.take_moves()
+    moves = job.results.take_moves()
     program = job.program_position
-    cut = job.scale_flow_from(job.clock * where, 0, factor)
+    cut = job.filament.scale_flow_from(job.clock * where, 0, factor)
     assert job.program_position == program  # the program does not notice
     job.feed("".join(f"G1 {w}\n" for w in behind).encode())
     assert job.advance() is JobStatus.NEED_INPUT
@@ -142,7 +142,7 @@ def test_any_program_from_any_clock(words, where, factor, behind):
     later = [float(w.partition("E")[2] or 0) for w in behind]
     wanted = sum(before) + oracle.fed(left + later, factor, owed)
     assert job.machine_position[3] == pytest.approx(wanted, abs=1e-6)
-    (e,) = [s for s in job.steppers() if s["name"] == "e"]
+    (e,) = [s for s in job.motors.statistics() if s["name"] == "e"]
     assert e["net"] == e["expected_net"] == e["count"]
     assert abs(e["count"] - wanted * e["steps_per_unit"]) <= 0.5 + 1e-3
 
@@ -153,10 +153,10 @@ def test_an_arc_that_is_half_read(share):
     job = Job(spec("unbounded"), True)
     job.feed(b"M83\nG1 F1200\nG2 I50 E10\nG1 X10 E1\n")
     job.finish()
-    while job.machine_position[3] <= 10 * share and not job.at_boundary:
+    while job.machine_position[3] <= 10 * share and not job.program.at_boundary:
         job.advance(0, 0) if share == 0.0 else job.advance(job.clock + 1)
     planned = job.machine_position[3]
-    cut = job.scale_flow_from(float("inf"), 0, 0.5)
+    cut = job.filament.scale_flow_from(float("inf"), 0, 0.5)
     assert cut == job.clock
     while job.advance() is not JobStatus.END:
         pass
@@ -167,11 +167,11 @@ def test_an_arc_that_is_half_read(share):
 
 def test_flow_changes_suspended_moves_too():
     job = job_of("M83\nG1 X100 E10 F600\nG1 X0 E10\n", with_steps=True)
-    job.hold_from(1.0 * 16e6)
-    job.suspend()
-    stop = job.stop_position[3]
-    job.scale_flow_from(job.clock, 0, 0.5)
-    job.resume()
+    job.stops.hold_from(1.0 * 16e6)
+    job.stops.suspend()
+    stop = job.stops.position[3]
+    job.filament.scale_flow_from(job.clock, 0, 0.5)
+    job.stops.resume()
     job.flush()
-    assert job.flows == [0.5]
+    assert job.filament.flows == [0.5]
     assert job.machine_position[3] == pytest.approx(stop + (20 - stop) / 2, abs=1e-9)

@@ -18,9 +18,9 @@ def read(text, macros, *, console=False, listen=0):
     job = _core.Job(
         spec("i3") | {"macros": {"names": NAMES, "built_in": BUILT_IN}}, False, True, True
     )
-    job.keep_moves(True)
-    job.listen(listen)
-    job.select(console)
+    job.results.keep_moves(True)
+    job.program.watch_line(listen)
+    job.program.select(console)
     job.feed(text.encode())
     job.finish()
     commands, calls, errors = [], [], []
@@ -29,13 +29,13 @@ def read(text, macros, *, console=False, listen=0):
         code = name or f"{letter}{number}" + (f".{minor}" if minor else "")
         if found == JobStatus.MACRO:
             calls.append((line, code, rest))
-            job.insert(macros.get(code, "").encode(), code)
+            job.program.insert(macros.get(code, "").encode(), code)
         elif found == JobStatus.EVENT:
             commands.append(code)
         elif found == JobStatus.ERROR:
             errors.append(job.error[:3])
     job.flush()
-    moves = [(move.line, round(move.end_mm[0], 6)) for move in job.take_moves()]
+    moves = [(move.line, round(move.end_mm[0], 6)) for move in job.results.take_moves()]
     return commands, calls, moves, errors, job
 
 
@@ -94,15 +94,15 @@ def test_call_in_comment_or_text_is_ignored():
 
 
 def test_a_file_that_ends_in_a_macro_is_not_cut_short():
-    assert not read("FOO", {"FOO": "G1 X1 F600"})[-1].ends_in_move
-    assert read("FOO\nG1 X2", {"FOO": "G1 X1 F600"})[-1].ends_in_move
+    assert not read("FOO", {"FOO": "G1 X1 F600"})[-1].program.ends_in_move
+    assert read("FOO\nG1 X2", {"FOO": "G1 X1 F600"})[-1].program.ends_in_move
 
 
 def test_macros_are_not_called_where_all_is_plain():
     job = _core.Job(
         spec("i3") | {"macros": {"names": NAMES, "built_in": BUILT_IN}}, False, True, True
     )
-    job.plain = True
+    job.options.plain = True
     job.feed(b"T0\nFOO\n")
     assert job.advance() == JobStatus.EVENT
     assert job.advance() == JobStatus.EVENT
@@ -111,19 +111,19 @@ def test_macros_are_not_called_where_all_is_plain():
 
 def test_only_the_call_of_a_line_is_recorded():
     job = read("FOO A=1\n", {"FOO": "G1 X1 F600\nM400"}, listen=1)[-1]
-    assert job.heard[2] == [("FOO", [], "A=1")]
+    assert job.program.watched_line[2] == [("FOO", [], "A=1")]
 
 
 def test_a_console_is_at_a_boundary_when_its_macros_are_over():
     job = _core.Job(
         spec("i3") | {"macros": {"names": NAMES, "built_in": BUILT_IN}}, False, True, True
     )
-    job.select(True)
+    job.program.select(True)
     job.feed(b"FOO\n")
     assert job.advance() == JobStatus.MACRO
-    job.insert(b"M400\nM400")
+    job.program.insert(b"M400\nM400")
     assert job.advance() == JobStatus.EVENT
-    assert (job.at_boundary, job.macro_depth) == (False, 1)
-    job.forget_macros()
-    assert (job.at_boundary, job.macro_depth) == (True, 0)
+    assert (job.program.at_boundary, job.program.macro_depth) == (False, 1)
+    job.program.forget_macros()
+    assert (job.program.at_boundary, job.program.macro_depth) == (True, 0)
     assert job.advance() == JobStatus.NEED_INPUT

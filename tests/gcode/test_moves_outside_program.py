@@ -29,7 +29,7 @@ def started(machine: str = "i3") -> Job:
 
 
 def net(job: Job) -> dict[str, int]:
-    return {s["name"]: s["net"] for s in job.steppers()}
+    return {s["name"]: s["net"] for s in job.motors.statistics()}
 
 
 @pytest.mark.parametrize(
@@ -44,10 +44,10 @@ def net(job: Job) -> dict[str, int]:
 )
 def test_a_move_that_is_refused_changes_nothing(target, within, error):
     job = started()
-    assert not job.move_to(places(**target), 20.0, within)
+    assert not job.plan.move_to(places(**target), 20.0, within)
     assert job.error[1:5] == error
     assert job.machine_position[:4] == [10, 0, 0, 0]
-    assert job.move_to(places(X=20), 20.0)
+    assert job.plan.move_to(places(X=20), 20.0)
     job.flush()
     assert job.machine_position[:4] == [20, 0, 0, 0]
     assert net(job) == {"x": 1600, "y": 0, "z": 0, "e": 0}
@@ -55,8 +55,8 @@ def test_a_move_that_is_refused_changes_nothing(target, within, error):
 
 def test_limits_are_not_for_where_the_machine_has_been():
     job = started()
-    assert job.move_to(places(X=-0.5), 20.0, Within.REACH)
-    assert job.move_to(places(Z=1), 20.0)  # an axis that stays may be beyond
+    assert job.plan.move_to(places(X=-0.5), 20.0, Within.REACH)
+    assert job.plan.move_to(places(Z=1), 20.0)  # an axis that stays may be beyond
     job.flush()
     assert net(job) == {"x": -40, "y": 0, "z": 400, "e": 0}
 
@@ -64,7 +64,7 @@ def test_limits_are_not_for_where_the_machine_has_been():
 def test_arms_go_where_they_reach():
     job = Job(spec("delta"), True)
     z = job.machine_position[Z]
-    assert not job.move_to(places(X=1e4), 20.0, Within.REACH)
+    assert not job.plan.move_to(places(X=1e4), 20.0, Within.REACH)
     assert job.error[1] in (Fault.ACTUATOR, Fault.UNREACHABLE)
     assert job.machine_position[:3] == [0, 0, z]
 
@@ -72,7 +72,7 @@ def test_arms_go_where_they_reach():
 @pytest.mark.parametrize("way", [20_000, -20_000])
 def test_filament_of_an_axis_without_tools_is_bounded_too(way):
     job = Job(config.load_text(text()).core_spec(), True)
-    assert not job.move_to(places(U=way), 20.0)
+    assert not job.plan.move_to(places(U=way), 20.0)
     assert job.error[1:5] == (Fault.TOO_LONG, "u", way, 10_000)
     job.feed(f"G1 U{way}\n".encode())
     assert job.advance() == JobStatus.ERROR

@@ -358,33 +358,33 @@ def test_each_extruder_has_a_retraction_of_its_own():
 
 def test_an_object_is_cancelled_and_restored_in_the_midst_of_it():
     job = Job(spec("unbounded"), False)
-    job.keep_moves(True)
+    job.results.keep_moves(True)
 
     def reads(text: str) -> list[tuple[float, ...]]:
         job.feed(text.encode())
         assert job.advance() == JobStatus.NEED_INPUT
         job.flush()
-        return [tuple(round(v, 6) for v in m.end_mm[:4]) for m in job.take_moves()]
+        return [tuple(round(v, 6) for v in m.end_mm[:4]) for m in job.results.take_moves()]
 
     assert reads("M486 T2\nM83\nM486 S1\nG1 X10 E1 F6000\n") == [(10, 0, 0, 1)]
-    job.cancel_object(1)
+    job.objects.cancel(1)
     assert reads("G1 X20 E1\nG1 Y20 E1\n") == []
     assert job.program_position[:2] == [10, 0]
-    job.cancel_object(1, False)
+    job.objects.cancel(1, False)
     assert reads("G1 X30 E1\n") == [(20, 20, 0, 1), (30, 20, 0, 2)]
-    assert [job.object_of_line(n) for n in (1, 2, 3, 4, 9)] == [-1, -1, 1, 1, 1]
-    job.restart(2)  # lines that are read again come in order again
-    assert job.object_of_line(9) == -1
+    assert [job.objects.of_line(n) for n in (1, 2, 3, 4, 9)] == [-1, -1, 1, 1, 1]
+    job.program.restart(2)  # lines that are read again come in order again
+    assert job.objects.of_line(9) == -1
     assert reads("M83\nM486 S0\nG1 X31\n") == [(31, 20, 0, 2)]
-    assert [job.object_of_line(n) for n in (2, 3, 9)] == [-1, 0, 0]
+    assert [job.objects.of_line(n) for n in (2, 3, 9)] == [-1, 0, 0]
     with pytest.raises(IndexError):
-        job.cancel_object(-1)
+        job.objects.cancel(-1)
 
 
 def test_a_cancelled_object_needs_no_warm_filament():
     text = "M486 P0\nM486 S0\nG1 X10 E1 F6000\nG10\nG11\nM486 S-1\nG1 X20\n"
     job = Job(spec("i3"), False)
-    job.cold = True
+    job.filament.cold = True
     job.feed(text.encode())
     job.finish()
     assert job.advance() == JobStatus.END
@@ -431,7 +431,7 @@ def test_labels_are_kept_as_they_are_written():
     )
     job.finish()
     assert job.advance() == JobStatus.END
-    assert job.objects == [
+    assert job.objects.all == [
         ("?", False, "", ""),
         ("Part (1); left", False, "", ""),
         ("Bob's", False, "1,2", "[[1, 2], [3, 4]]"),
@@ -447,8 +447,8 @@ def test_no_file_fills_the_memory_with_labels():
         assert job.advance() == JobStatus.NEED_INPUT
     job.feed(b"M486 T9999999\nM486 S123456789\nG1 X1 F600\nM486 P99999\n")
     assert job.advance() == JobStatus.NEED_INPUT
-    assert len(job.objects) == 10_000
-    assert sum(len(o[0]) + len(o[3]) for o in job.objects) < 4.3e6
+    assert len(job.objects.all) == 10_000
+    assert sum(len(o[0]) + len(o[3]) for o in job.objects.all) < 4.3e6
 
 
 def test_the_numbers_of_names_are_their_order_in_the_file():
@@ -456,8 +456,8 @@ def test_the_numbers_of_names_are_their_order_in_the_file():
     job.feed(b"M486 P1\n" + b"".join(b"EXCLUDE_OBJECT_DEFINE NAME=%c\n" % c for c in b"abcb"))
     job.finish()
     assert job.advance() == JobStatus.END
-    assert [o[:2] for o in job.objects] == [("a", False), ("b", True), ("c", False)]
-    assert (job.find_objects("B"), job.find_objects("d")) == ([1], [])
+    assert [o[:2] for o in job.objects.all] == [("a", False), ("b", True), ("c", False)]
+    assert (job.objects.find("B"), job.objects.find("d")) == ([1], [])
 
 
 def test_axes_that_push_filament_are_skipped_like_extruders(tmp_path: Path):

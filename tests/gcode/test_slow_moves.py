@@ -48,8 +48,8 @@ def test_move_beyond_longest_time_names_its_limit(line, limit, seconds):
 
 def test_refused_slow_move_names_axis_and_leaves_position():
     job = Job(spec("unbounded"), False)
-    job.keep_moves(True)
-    job.set_axis_limit("x", "speed", 0.001)
+    job.results.keep_moves(True)
+    job.limits.set_of_axis("x", "speed", 0.001)
     job.feed(b"G1 X1001 Y0\nG1 X1 F60\n")
     job.finish()
     job.advance()
@@ -62,8 +62,8 @@ def test_refused_slow_move_names_axis_and_leaves_position():
 def test_a_move_outside_of_a_program_is_refused_too():
     job = Job(spec("i3"), False)
     target = [5.0, *[inf - inf] * 7]
-    assert not job.move_to(target, 1e-6)
+    assert not job.plan.move_to(target, 1e-6)
     assert job.error[1:3] == (Fault.TOO_SLOW, "feedrate")
     assert job.machine_position[0] == 0
-    assert job.move_to(target, 1e-5)
+    assert job.plan.move_to(target, 1e-5)
     assert job.machine_position[0] == 5

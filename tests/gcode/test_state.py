@@ -221,15 +221,15 @@ def test_layers_and_features_of_slicers():
 
 def test_only_a_tool_that_there_is_can_be_used():
     job = Job(spec("multi-material"), False)
-    job.use_tool(4)
+    job.tools.use(4)
     assert job.tool == 4
     with pytest.raises(IndexError, match="no such tool"):
-        job.use_tool(5)
+        job.tools.use(5)
     assert job.tool == 4
     without = Job(spec("laser"), False)
-    without.use_tool(0)
+    without.tools.use(0)
     with pytest.raises(IndexError, match="no such tool"):
-        without.use_tool(1)
+        without.tools.use(1)
 
 
 @pytest.mark.parametrize("words", ["D0", "S0", "D1.75", "T0 D1.75"])

@@ -111,15 +111,15 @@ def test_the_program_sees_its_tool_where_it_means_it_to_be():
     while job.advance() == JobStatus.EVENT:
         pass
     assert job.program_position[:3] == [100, 100, 5]
-    assert job.offset_due == pytest.approx([-25, 3, 0.6])
-    job.set_tool_offset(1, 2, -0.5)  # M218, for the next move too
-    assert job.offset_due == pytest.approx([-25, 3, 0.5])
+    assert job.tools.offset_due == pytest.approx([-25, 3, 0.6])
+    job.tools.set_offset(1, 2, -0.5)  # M218, for the next move too
+    assert job.tools.offset_due == pytest.approx([-25, 3, 0.5])
     job.feed(b"G1 Y101\n")
     job.advance()
     job.flush()
     assert job.machine_position[:3] == pytest.approx([75, 104, 5.5])
     assert job.program_position[:3] == pytest.approx([100, 101, 5])
-    assert job.offset_due == [0, 0, 0]
+    assert job.tools.offset_due == [0, 0, 0]
 
 
 def test_an_axis_without_room_for_the_offset_refuses_the_move():

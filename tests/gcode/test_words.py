@@ -82,11 +82,11 @@ def test_a_star_in_a_text_of_a_numbered_line_is_not_a_checksum(text):
     command, _, rest = text.partition(" ")
     for line in (text, f"N5 {text}", checked(f"N5 {text}"), checked(f"N5 {text}") + " ; 1*2"):
         job = Job(spec("i3"), False)
-        job.listen(1)
+        job.program.watch_line(1)
         job.feed(line.encode() + b"\n")
         job.finish()
         assert job.advance() in (JobStatus.EVENT, JobStatus.END)
-        assert job.heard[2] == [(command, [], rest)]
+        assert job.program.watched_line[2] == [(command, [], rest)]
 
 
 def test_a_checksum_is_after_the_last_star():

@@ -45,7 +45,7 @@ def started(s, name):
     s.host.ok(f"M32 {name}")
     s.board.place("z", 20.0)
     drilled = Drilled(s)
-    assert s.until(lambda: s.printer.rig.job.line_at(s.printer.rig.queue.now) >= 4, 200)
+    assert s.until(lambda: s.printer.rig.job.history.line_at(s.printer.rig.queue.now) >= 4, 200)
     return drilled
 
 

@@ -237,7 +237,7 @@ def test_an_emergency_stop_ends_the_pause(s):
     s.host.expect("ready again", 10)
     s.host.ok("G92 X0 Y0 Z0")
     s.host.ok("G1 X5 F6000")
-    assert s.printer.rig.job.suspended is False
+    assert s.printer.rig.job.stops.suspended is False
 
 
 def test_a_machine_that_is_not_homed_does_not_move(tmp_path):

@@ -81,7 +81,7 @@ def test_cancelled_on_the_way_to_a_pause_of_its_own(start, command, stop):
     at = s.positions()
     s.passes(5)
     assert s.positions() == at
-    assert not s.printer.rig.job.suspended
+    assert not s.printer.rig.job.stops.suspended
     assert not [x for x in s.host.heard if x.startswith("// action:p") and x != "// action:paused"]
     s.host.ok("G1 X90 F3000", 5)
 

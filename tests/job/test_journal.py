@@ -39,14 +39,14 @@ def test_journal_is_at_most_a_second_late_and_never_early(places):
     generator = random.Random(7)
     starts = []
     with Scenario("i3", **arguments) as s:
-        s.printer.rig.job.keep_moves(True)
+        s.printer.rig.job.results.keep_moves(True)
         s.host.ok("M32 wall.gcode")
         looked = 0
         while looked < 200:
             s.passes(generator.uniform(0.02, 0.5))
             starts += [
                 (m.core.start_ticks if hasattr(m, "core") else m.start_ticks, m.line)
-                for m in s.printer.rig.job.take_moves()
+                for m in s.printer.rig.job.results.take_moves()
             ]
             now = s.printer.rig.queue.now
             under_way = [(at, line) for at, line in starts if at <= now and line]

@@ -173,7 +173,7 @@ def test_print_waiting_for_heat_can_be_changed_and_paused(whole):
         s.passes(3)
         break_link(s, 0.5)
         s.host.expect("The board is back", 10)
-        assert s.printer.rig.job.holds
+        assert s.printer.rig.job.stops.holds
         stood = steps(s)
         s.host.ok("M290 Z0.2")
         s.host.ok("M290 X-1.5")

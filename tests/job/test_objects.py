@@ -51,7 +51,7 @@ class Laid:
         place = round(at["z"]), round(at["x"])
         printing = place[1] in PLACES.values() and abs(at["z"] - place[0]) < 0.01
         laying = printing and 12 < at["y"] < 28 and s.assembly.runner.active
-        laying = laying and not s.printer.rig.job.suspended
+        laying = laying and not s.printer.rig.job.stops.suspended
         if laying and (not self.lines or self.lines[-1] != place):
             self.lines.append(place)
 

@@ -164,7 +164,7 @@ def test_only_the_macros_move_the_nozzle_in_a_pause(printing, line, parked):
     seen = []
     s.printer.lifetime.as_time_passes(lambda: seen.append(s.positions()))
     assert after(s, line) == ("PAUSED", parked)
-    stopped, filament = s.printer.rig.job.stop_position, s.positions()["e"]
+    stopped, filament = s.printer.rig.job.stops.position, s.positions()["e"]
     assert max(one["e"] for one in seen) - filament == pytest.approx(1.5, abs=0.02)
     seen.clear()
     s.host.ok("RESUME", 60)

@@ -84,7 +84,7 @@ class Cuts:
         instants = [generator.uniform(0, prints) for _ in range(before)]
         instants += [generator.uniform(prints, ends) for _ in range(printing)]
         with self.printer("cut") as s:
-            s.printer.rig.job.keep_moves(True)
+            s.printer.rig.job.results.keep_moves(True)
             s.host.ok("M32 rings.gcode")
             begun = s.loop.time()
             for number, instant in enumerate(sorted(instants)):
@@ -95,7 +95,7 @@ class Cuts:
                 self.clocks.append(s.printer.rig.queue.now)
                 self.starts += [
                     (m.core.start_ticks if hasattr(m, "core") else m.start_ticks, m.line)
-                    for m in s.printer.rig.job.take_moves()
+                    for m in s.printer.rig.job.results.take_moves()
                     if m.line
                 ]
             self.hz = s.printer.rig.queue.hz

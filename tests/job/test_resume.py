@@ -86,12 +86,13 @@ def test_babysteps_of_a_print_that_was_given_up_are_gone_with_it(places):
         s.passes(3)
         s.host.ok("G28", 60)
         assert (
-            s.printer.motion.offsets.of_program_mm(suspended=s.printer.rig.job.suspended)["z"]
+            s.printer.motion.offsets.of_program_mm(suspended=s.printer.rig.job.stops.suspended)["z"]
             == 0.3
         )
         s.host.ok("M524")
         assert (
-            s.printer.motion.offsets.of_program_mm(suspended=s.printer.rig.job.suspended)["z"] == 0
+            s.printer.motion.offsets.of_program_mm(suspended=s.printer.rig.job.stops.suspended)["z"]
+            == 0
         )
 
 
@@ -214,7 +215,7 @@ def test_stored_settings_hold_for_the_rest_of_a_print(machine, stored, tmp_path)
         whole, settings = s.printer.rig.job.machine_position, s.host.ok("M503")
     with Scenario(machine, **places) as s:
         s.host.ok("M32 a.g")
-        assert s.until(lambda: s.printer.rig.job.line_at(s.printer.rig.queue.now) >= 8, 200)
+        assert s.until(lambda: s.printer.rig.job.history.line_at(s.printer.rig.queue.now) >= 8, 200)
     with Scenario(machine, **places) as s:
         s.host.ok("M1000", 200)
         s.host.expect("Done printing", 200)
@@ -233,7 +234,7 @@ def test_the_nozzle_that_prints_is_filled(tmp_path):
     with Scenario(machine, **places) as s:
         s.host.ok("M302 P1")
         s.host.ok("M32 a.g")
-        assert s.until(lambda: s.printer.rig.job.line_at(s.printer.rig.queue.now) >= 8, 200)
+        assert s.until(lambda: s.printer.rig.job.history.line_at(s.printer.rig.queue.now) >= 8, 200)
     line = recorded(places)[1].line
     with Scenario(machine, **places) as s:
         before = s.positions()
@@ -289,7 +290,7 @@ def cut_and_gone_on(text, places, line, *live, lead=3):
         s.host.ok("M32 a.g")
 
         def at(number):
-            return lambda: s.printer.rig.job.line_at(s.printer.rig.queue.now) >= number
+            return lambda: s.printer.rig.job.history.line_at(s.printer.rig.queue.now) >= number
 
         assert s.until(at(line - lead), 200)
         for order in live:
@@ -302,7 +303,13 @@ def cut_and_gone_on(text, places, line, *live, lead=3):
         before, start = s.printer.rig.commands.outputs.fans["part"], s.positions()["e"]
         s.host.expect("Done printing", 200)
         job = s.printer.rig.job
-        return number, s.positions()["e"] - start, before, job.flows, job.speed_factor
+        return (
+            number,
+            s.positions()["e"] - start,
+            before,
+            job.filament.flows,
+            job.limits.speed_factor,
+        )
 
 
 OVERRIDDEN = (
@@ -360,7 +367,9 @@ def test_settings_of_the_file_hold_for_the_rest_of_it(machine, places):
         steps = s.positions()
     with Scenario(machine, **places) as s:
         s.host.ok("M32 a.g")
-        assert s.until(lambda: s.printer.rig.job.line_at(s.printer.rig.queue.now) >= last + 4, 300)
+        assert s.until(
+            lambda: s.printer.rig.job.history.line_at(s.printer.rig.queue.now) >= last + 4, 300
+        )
         left = s.positions()
     with Scenario(machine, **places) as s:
         s.board.place("z", left["z"])
@@ -387,7 +396,9 @@ def test_homing_in_the_midst_of_a_file_is_read_as_it_was_done(home, places):
         whole = s.positions()
     with Scenario("i3", **places) as s:
         s.host.ok("M32 a.g")
-        assert s.until(lambda: s.printer.rig.job.line_at(s.printer.rig.queue.now) >= last + 4, 300)
+        assert s.until(
+            lambda: s.printer.rig.job.history.line_at(s.printer.rig.queue.now) >= last + 4, 300
+        )
         left = s.positions()
     with Scenario("i3", **places) as s:
         s.board.place("z", left["z"])
@@ -430,7 +441,9 @@ def test_a_print_resumes_with_its_settings_from_the_start(machine, before, place
     with Scenario(machine, **places) as s:
         begun(s)
         line = text.count("\n") - 8
-        assert s.until(lambda: s.printer.rig.job.line_at(s.printer.rig.queue.now) >= line, 300)
+        assert s.until(
+            lambda: s.printer.rig.job.history.line_at(s.printer.rig.queue.now) >= line, 300
+        )
         left = s.positions()
     (Path(places["state"]) / "settings.json").unlink(missing_ok=True)
     for cut in (True, False):
@@ -440,7 +453,8 @@ def test_a_print_resumes_with_its_settings_from_the_start(machine, before, place
             s.host.send("M1000")
             if cut:
                 assert s.until(
-                    lambda: s.printer.rig.job.line_at(s.printer.rig.queue.now) >= line + 2, 300
+                    lambda: s.printer.rig.job.history.line_at(s.printer.rig.queue.now) >= line + 2,
+                    300,
                 )
                 left = s.positions()
                 continue
@@ -478,14 +492,14 @@ def state_after(places, name, *lines, killed):
         left = s.positions()
         if not killed:
             s.until(lambda: "Done printing file" in s.host.heard, 300)
-            return list(s.printer.settings.lines()), s.printer.rig.job.modes
+            return list(s.printer.settings.lines()), s.printer.rig.job.modes.gcode
     with Scenario("i3", **places) as s:
         for stepper in "xyz":
             s.board.place(stepper, left[stepper])
         s.host.ok("M302 P1")
         s.host.ok("M1000", 600)
         s.until(lambda: "Done printing file" in s.host.heard, 300)
-        return list(s.printer.settings.lines()), s.printer.rig.job.modes
+        return list(s.printer.settings.lines()), s.printer.rig.job.modes.gcode
 
 
 @pytest.mark.parametrize(
@@ -541,10 +555,10 @@ def test_settings_before_first_move_survive_interruption(places, tmp_path):
             left = s.positions()
             if not killed:
                 s.host.expect("Done printing", 300)
-                ends.append((list(s.printer.settings.lines()), s.printer.rig.job.modes))
+                ends.append((list(s.printer.settings.lines()), s.printer.rig.job.modes.gcode))
     with Scenario("i3", **places) as s:
         goes_on(s, left)
-        assert (list(s.printer.settings.lines()), s.printer.rig.job.modes) == ends[0]
+        assert (list(s.printer.settings.lines()), s.printer.rig.job.modes.gcode) == ends[0]
     assert "M83" in ends[0][1]
 
 

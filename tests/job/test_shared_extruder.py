@@ -35,7 +35,7 @@ def amid_t0() -> _core.Job:
 
 def test_the_tool_that_was_stopped_is_in_use_and_its_offset():
     job = amid_t0()
-    job.stop_from(0.1 * job.clock)
+    job.stops.stop_from(0.1 * job.clock)
     x = job.machine_position[0]
     assert 0 < x < 50
     assert (job.tool, job.program_position[0]) == (0, pytest.approx(x))
@@ -46,10 +46,10 @@ def test_the_tool_that_was_stopped_is_in_use_and_its_offset():
 
 def test_tool_of_pause_is_in_use_and_program_keeps_its_own():
     job = amid_t0()
-    job.hold_from(0.1 * job.clock)
-    job.suspend()
-    assert (job.tool, job.program_position[0]) == (0, pytest.approx(job.stop_position[0]))
-    job.resume()
+    job.stops.hold_from(0.1 * job.clock)
+    job.stops.suspend()
+    assert (job.tool, job.program_position[0]) == (0, pytest.approx(job.stops.position[0]))
+    job.stops.resume()
     job.flush()
     assert job.tool == 1
     assert job.machine_position[0] == pytest.approx(80 - OFFSET_MM)
@@ -58,9 +58,9 @@ def test_tool_of_pause_is_in_use_and_program_keeps_its_own():
 
 def test_babystep_in_pause_stays_with_stopped_tool():
     job = amid_t0()
-    job.hold_from(0.1 * job.clock)
-    assert job.shift_from(job.clock, 2, 0.1) is not None
-    job.suspend()
+    job.stops.hold_from(0.1 * job.clock)
+    assert job.plan.shift_from(job.clock, 2, 0.1) is not None
+    job.stops.suspend()
     assert job.tool == 0
 
 
@@ -75,7 +75,9 @@ def test_print_with_shared_extruder_paused_ends_at_same_steps(
         with Scenario(sharing(), card=str(tmp_path)) as s:
             s.host.ok("M32 a.g")
             if meanwhile is not None:
-                assert s.until(lambda: s.printer.rig.job.line_at(s.printer.rig.queue.now) >= 7, 300)
+                assert s.until(
+                    lambda: s.printer.rig.job.history.line_at(s.printer.rig.queue.now) >= 7, 300
+                )
                 assert s.printer.rig.job.tool == 1  # read ahead
                 s.host.ok("M25")
                 s.passes(20)

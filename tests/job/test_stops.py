@@ -101,7 +101,9 @@ def test_a_further_axis_that_is_moved_in_a_pause_comes_back(tmp_path: Path) -> N
     def net(moved_mm: float) -> dict[str, int]:
         with Scenario(config.load_text(text), card=str(tmp_path)) as s:
             s.host.ok("M32 a.g")
-            assert s.until(lambda: s.printer.rig.job.line_at(s.printer.rig.queue.now) >= 8, 300)
+            assert s.until(
+                lambda: s.printer.rig.job.history.line_at(s.printer.rig.queue.now) >= 8, 300
+            )
             s.host.ok("M25")
             for line in ("G91", f"G1 U{moved_mm:g} F300", "M24"):
                 s.host.ok(line)
@@ -157,10 +159,10 @@ def test_print_can_be_paused_and_resumed_at_its_start(tmp_path: Path) -> None:
         s.host.send("M25", "M24")
         s.host.expect("Done printing file", 20)
         assert s.positions()["x"] == 20 + 10  # from where it stood
-        assert not s.printer.rig.job.suspended
+        assert not s.printer.rig.job.stops.suspended
         s.host.send("M23 a.gco", "M24", "M25", "M24", "M25")
         s.passes(5)
         assert s.host.ok("M27")[0].startswith("SD printing")
         s.host.ok("M24")
         s.host.expect("Done printing file", 20)
-        assert not s.printer.rig.job.suspended
+        assert not s.printer.rig.job.stops.suspended

@@ -39,8 +39,8 @@ def printed(tmp_path):
         path = tmp_path / "a.gcode"
         path.write_text(program)
         job = Print(config.load_text(machine), Policy())
-        job.job.keep_moves(True)
-        job.job.keep_corner()
+        job.job.results.keep_moves(True)
+        job.job.results.keep_corner()
         job.run(path)
         return job.job
 
@@ -57,7 +57,11 @@ def samples(parts):
 
 def test_acceleration_after_mzv_has_its_amplitudes(printed):
     job = printed(CORNER, text_of(MZV))
-    (line, x, y, _), planned, law = job.corner, job.corner_law(0, False), job.corner_law(0, True)
+    (line, x, y, _), planned, law = (
+        job.results.corner,
+        job.results.corner_law(0, False),
+        job.results.corner_law(0, True),
+    )
     assert (line, x, y) == (6, 60, 20)
     levels = [a for _, _, _, _, a, _ in planned]
     assert levels == pytest.approx([0, -3000, 0], abs=60)  # it slows down before the corner
@@ -72,17 +76,17 @@ def test_filament_is_as_fast_as_the_advance_asks(printed):
     advance = "advance_s = 0.05\nadvance_smooth_s = 0.04"
     program = "G28\nM302 S0\nM204 P1000\nG1 X10 E0.4 F3000\n"
     job = printed(program, text_of(advance=advance))
-    planned, law = ([v for _, _, v in samples(job.corner_law(3, f))] for f in (False, True))
+    planned, law = ([v for _, _, v in samples(job.results.corner_law(3, f))] for f in (False, True))
     assert max(planned) == pytest.approx(2.0)
     assert max(law) == pytest.approx(3.36, abs=2e-3)
-    hardest = max(a for _, _, _, _, a, _ in job.corner_law(3, True))
+    hardest = max(a for _, _, _, _, a, _ in job.results.corner_law(3, True))
     assert hardest == pytest.approx(140, abs=1e-3)
 
 
 def test_jerk_stays_within_its_limit(printed):
     job = printed(CORNER, text_of("jerk_mm_s3 = 100000.0"))
-    hardest = max(abs(part[4]) for part in job.corner_law(0, False))
-    jerk = max(abs(j) for *_, j in job.corner_law(0, True))
+    hardest = max(abs(part[4]) for part in job.results.corner_law(0, False))
+    jerk = max(abs(j) for *_, j in job.results.corner_law(0, True))
     assert jerk == pytest.approx(hardest / box_s(3000, 1e5))
     assert jerk <= 1e5
 
@@ -91,18 +95,18 @@ def test_jerk_stays_within_its_limit(printed):
 def test_laws_are_those_of_the_oracle(printed, advance, shaped):
     own = f"advance_s = {advance}\nadvance_smooth_s = 0.04\nshaped = {shaped}"
     job = printed(CORNER, text_of(MZV + EI, own))
-    moves, delay = job.take_moves(), round(job.filters_delay_s * HZ)
+    moves, delay = job.results.take_moves(), round(job.filters.delay_s * HZ)
     shapers = [impulses("mzv", 50.0, 0.1), impulses("ei", 38.0, 0.1)]
     for slot, shaper in enumerate(shapers):
         planned = oracle.Planned(moves, slot)
         law = oracle.shaped(planned, shaper, delay)
         for filtered, wanted in ((False, lambda t, p=planned: p(t - delay)), (True, law)):
-            for s, mm, _ in samples(job.corner_law(slot, filtered)):
+            for s, mm, _ in samples(job.results.corner_law(slot, filtered)):
                 assert mm == pytest.approx(wanted(s * HZ), abs=1e-6)
     if shaped == "false":
         filament = oracle.Planned(moves, 3, lambda m: m.advance_s)
         law = oracle.advanced(filament, 0.02, delay) if advance else lambda t: filament(t - delay)
-        for s, mm, _ in samples(job.corner_law(3, True)):
+        for s, mm, _ in samples(job.results.corner_law(3, True)):
             assert mm == pytest.approx(law(s * HZ), abs=1e-6)
 
 
@@ -112,7 +116,7 @@ def test_steps_are_made_from_the_laws(printed, tmp_path):
     job, model = printed(CORNER, machine), config.load_text(machine)
     trace = trace_steps(model, tmp_path / "a.gcode", Policy())
     for slot, name in ((0, "x"), (1, "y"), (3, "e")):
-        parts, count, seen = job.corner_law(slot, True), 0, 0
+        parts, count, seen = job.results.corner_law(slot, True), 0, 0
         for tick, turn in zip(trace.ticks[name], trace.directions[name], strict=True):
             middle, count = count + turn / 2, count + turn
             for start, took, q, v, a, j in parts:
@@ -132,12 +136,12 @@ def test_corner_is_the_fastest_of_printed_lines(printed):
         "G1 X60 E2 F4800\nG1 Y60 E2\nG1 X20 F9000\nM593 F0\nG1 X60 E1\nG1 Y20 E1\n"
     )
     job = printed(program, text_of(MZV))
-    assert job.corner[:3] == (10, 60, 20)
-    assert len(job.corner_law(0, True)) > len(job.corner_law(0, False))
+    assert job.results.corner[:3] == (10, 60, 20)
+    assert len(job.results.corner_law(0, True)) > len(job.results.corner_law(0, False))
     job = printed(program.replace(" E", " ;"), text_of(MZV))
-    assert job.corner[0] == 8
+    assert job.results.corner[0] == 8
     job = printed("G28\nG1 X20 F3000\n", text_of(MZV))
-    assert job.corner[:3] == (2, 0, 0)
+    assert job.results.corner[:3] == (2, 0, 0)
 
 
 def test_page_shows_the_peaks_of_plan_and_filters(tmp_path):

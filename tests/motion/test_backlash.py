@@ -126,7 +126,7 @@ def test_motor_keeps_the_limits_of_its_axis_while_it_takes_up_a_gap():
     motion.flush()
     moves, share = motion.take_moves(), GAPS[0][0] / GAPS[0][1]
     speed, accel, jerk = (spec["axes"][0][what] for what in ("speed", "accel", "jerk"))
-    names = Job(load("i3").core_spec()).limit_names
+    names = Job(load("i3").core_spec()).limits.names
     for m in moves:
         assert m.cruise_speed * (1 + share) <= speed
         assert m.acceleration * (1 + share) <= accel * (1 + 1e-12)
@@ -139,16 +139,16 @@ def test_positions_stay_where_the_gap_changes():
     job.feed(b"G1 X10 Y4 F6000\n")
     job.advance()
     job.flush()
-    before = job.steppers()
-    job.set_filter("gaps", 0, [0.4, 2.0])
-    job.set_filter("gaps", 1, [0.0, 1.0])
-    after = job.steppers()
+    before = job.motors.statistics()
+    job.filters.set("gaps", 0, [0.4, 2.0])
+    job.filters.set("gaps", 1, [0.0, 1.0])
+    after = job.motors.statistics()
     for row, was in zip(after, before, strict=True):
         assert (row["count"], row["expected_net"]) == (was["count"], was["expected_net"])
     job.feed(b"G1 X0 Y0\n")
     job.advance()
     job.flush()
-    x, y, *_ = job.steppers()
+    x, y, *_ = job.motors.statistics()
     assert (x["count"], x["expected_net"]) == (0, STEPS[0] - 32)
     assert (y["count"], y["expected_net"]) == (0, STEPS[1])
 
@@ -158,14 +158,14 @@ def test_trigger_takes_up_the_gap_in_its_direction():
     job.feed(b"G1 X10 F6000\nG1 X9.5\n")
     job.advance()
     job.flush()
-    x = job.steppers()[0]
+    x = job.motors.statistics()[0]
     lead = x["expected_net"] - x["count"]
     assert (x["count"], lead) == (760, 11)  # 16 less 16 * 0.5 / 1.5, rounded
     assert x["taken_up"] == lead  # the nozzle is that much further than the plan
-    job.set_axes([(0, 7.0)], triggered=True)
+    job.axes.set([(0, 7.0)], triggered=True)
     job.feed(b"G1 X5\nG1 X7\n")
     job.advance()
     job.flush()
-    after = job.steppers()[0]
+    after = job.motors.statistics()[0]
     assert (after["count"], after["taken_up"]) == (560, 0)
     assert after["expected_net"] == x["expected_net"] + STEPS[0]

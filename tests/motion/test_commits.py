@@ -21,9 +21,9 @@ def job(period=None):
     spec = load("i3").core_spec()
     spec["extruders"][0]["jerk"] = 8.0
     job = Job(spec)
-    job.keep_ideal(True)
+    job.results.keep_ideal(True)
     if period is not None:
-        job.use_commits(period, 1_000_000)
+        job.commits.use(period, 1_000_000)
     job.feed(b"G1 X240 F6000\nG1 X0\n" * 4 + b"G1 X100\nG1 X150 E4\n")
     assert job.advance() == JobStatus.NEED_INPUT
     job.flush()
@@ -33,11 +33,11 @@ def job(period=None):
 @pytest.mark.parametrize("ticks", range(0, 1000, 100))
 def test_motor_after_long_rest_steps_right_after_commit(ticks):
     # Within the 50 µs by which the steps of a tail may miss their times.
-    first = array("d", job().take_ideal(3))[0]
+    first = array("d", job().results.take_ideal(3))[0]
     assert first > 2**28
     commits = int(first / PERIOD)
     told = job(int((first - ticks) / commits))
-    assert told.steppers()[3]["net"] == 382
+    assert told.motors.statistics()[3]["net"] == 382
 
 
 def test_a_commit_holds_no_more_messages_than_it_may():
@@ -45,7 +45,7 @@ def test_a_commit_holds_no_more_messages_than_it_may():
 
     def dense(most):
         job = Job(load("i3").core_spec())
-        job.use_commits(PERIOD, most)
+        job.commits.use(PERIOD, most)
         lines = (f"G1 X{100 + i % 7 * 0.31} Y{100 + i * 5 % 11 * 0.17} F6000\n" for i in range(300))
         job.feed("".join(lines).encode())
         assert job.advance() == JobStatus.NEED_INPUT
@@ -54,7 +54,7 @@ def test_a_commit_holds_no_more_messages_than_it_may():
 
     (told, messages), (few, more) = dense(1_000_000), dense(20)
     by_time = told.clock / PERIOD + 1
-    by_number = sum(motor["commands"] for motor in few.steppers()) / 20
+    by_number = sum(motor["commands"] for motor in few.motors.statistics()) / 20
     assert by_number > 2 * by_time
     assert more - messages >= by_number - by_time
     assert few.clock == told.clock
@@ -68,7 +68,7 @@ def test_stopped_motor_gets_clock_and_direction_once():
             assert job.advance() == JobStatus.NEED_INPUT
             job.flush()
             if renews:
-                job.renew_steppers([0])
+                job.motors.renew([0])
         return len(job.messages)
 
     assert messages(True) == messages(False) + 2

@@ -143,8 +143,8 @@ def test_refused_setting_of_a_filter_changes_nothing(name, index, numbers, reaso
     shaper = impulses("zv", 50.0, 0.1)
     job = Job(load("i3").core_spec() | {"filters": {"shapers": [shaper, [], []]}})
     with pytest.raises(ValueError, match=reason):
-        job.set_filter(name, index, numbers)
-    assert job.filters_delay_s == delay_of(shaper) / HZ
+        job.filters.set(name, index, numbers)
+    assert job.filters.delay_s == delay_of(shaper) / HZ
 
 
 BOX = 0.03
@@ -587,7 +587,7 @@ def test_extruder_keeps_its_limits_with_advance():
     for i in range(1, 12):
         motion.push([i % 2 * 20.0, i * 1.0, 0.0, i * 1.0], 150.0, "print")
     motion.flush()
-    names = Job(load("i3").core_spec()).limit_names
+    names = Job(load("i3").core_spec()).limits.names
     moves = motion.take_moves()
     for m in moves:
         part = (m.end_mm[3] - m.start_mm[3]) / m.length

@@ -281,7 +281,7 @@ def test_filament_of_two_extruders_is_a_corner():
 
 def test_a_limit_of_an_axis_is_never_more_than_the_machine_s():
     job = Job(load("i3").core_spec())
-    most = job.axis_limit("x", "speed")
+    most = job.limits.of_axis("x", "speed")
     for share, then in ((10, 1), (0.5, 0.5), (2, 1)):
-        job.set_axis_limit("x", "speed", share * most)
-        assert job.axis_limit("x", "speed") == then * most
+        job.limits.set_of_axis("x", "speed", share * most)
+        assert job.limits.of_axis("x", "speed") == then * most

@@ -114,10 +114,10 @@ def test_plan_statistics_are_counted_once(cuts, factor):
     assert job.advance() == JobStatus.NEED_INPUT
     job.flush()
     for where in cuts:
-        job.set_speed_factor(factor, live=True)
-        job.replan_from(job.clock * where)
+        job.limits.set_speed_factor(factor, live=True)
+        job.plan.replan_from(job.clock * where)
         job.flush()
-    sums = job.statistics()
+    sums = job.results.statistics()
     assert sums["moves"] == 5
     assert sums["travel_mm"] == pytest.approx(hypot(50, 20) + 50)
     assert sums["print_mm"] == pytest.approx(40 + 10)
@@ -130,9 +130,9 @@ def test_plan_statistics_are_counted_once(cuts, factor):
         sum(sums["feature_s"].values()),
     ):
         assert seconds == pytest.approx(job.clock / oracle.HZ)
-    for motor in job.steppers():
+    for motor in job.motors.statistics():
         assert motor["net"] == motor["expected_net"] == motor["count"]
-    assert job.steppers()[0]["steps"] == 150 * 80
+    assert job.motors.statistics()[0]["steps"] == 150 * 80
 
 
 def test_the_new_limit_holds_after_braking():
@@ -306,10 +306,10 @@ def test_a_move_that_is_held_counts_once():
     job.feed(b"G1 X10 F3000\nG1 X100\n")
     assert job.advance() == JobStatus.NEED_INPUT
     job.flush()
-    job.hold_from(0.202 * oracle.HZ)  # in the first, and stops in the second
-    job.release()
+    job.stops.hold_from(0.202 * oracle.HZ)  # in the first, and stops in the second
+    job.stops.release()
     job.flush()
-    assert job.statistics()["moves"] == 2
+    assert job.results.statistics()["moves"] == 2
 
 
 def test_moves_after_those_that_were_held_have_the_rules_of_now():
@@ -326,17 +326,17 @@ def test_moves_after_those_that_were_held_have_the_rules_of_now():
 
 def test_the_line_under_way_is_that_of_the_new_plan():
     job = Job(load("i3").core_spec())
-    assert job.line_at(0) == 0
+    assert job.history.line_at(0) == 0
     job.feed(b"G1 X50 F600\n" + b"".join(b"G1 X%d\n" % x for x in range(60, 150, 10)))
     assert job.advance() == JobStatus.NEED_INPUT
     job.flush()
     for second, factor in ((1, 0.5), (2, 2.0)):
-        job.set_speed_factor(factor, live=True)
-        job.replan_from(second * oracle.HZ)
+        job.limits.set_speed_factor(factor, live=True)
+        job.plan.replan_from(second * oracle.HZ)
         job.flush()
     # At 15 mm after 2 s, and at 50 mm after another 1.75 s; then 20 mm/s.
-    assert [job.line_at(t * oracle.HZ) for t in (1.0, 3.0)] == [1, 1]
-    assert [job.line_at((4 + 0.5 * k) * oracle.HZ) for k in range(9)] == list(range(2, 11))
+    assert [job.history.line_at(t * oracle.HZ) for t in (1.0, 3.0)] == [1, 1]
+    assert [job.history.line_at((4 + 0.5 * k) * oracle.HZ) for k in range(9)] == list(range(2, 11))
 
 
 @pytest.mark.parametrize("dwells_first", [True, False])
@@ -414,19 +414,19 @@ def test_suspended_job_is_shifted_from_stop_to_end(axis):
     job.feed(b"G1 X20 Y20 Z1 F6000\nG1 X100\n")
     assert job.advance() == JobStatus.NEED_INPUT
     job.flush()
-    job.hold_from(job.clock - 0.3 * oracle.HZ)
-    job.suspend()
-    stop = list(job.stop_position)
-    job.shift_from(job.clock, axis, 0.5)
+    job.stops.hold_from(job.clock - 0.3 * oracle.HZ)
+    job.stops.suspend()
+    stop = list(job.stops.position)
+    job.plan.shift_from(job.clock, axis, 0.5)
     stop[axis] += 0.5
-    assert list(job.stop_position) == stop
-    assert job.move_to(job.stop_position, 50.0)
-    job.resume()
+    assert list(job.stops.position) == stop
+    assert job.plan.move_to(job.stops.position, 50.0)
+    job.stops.resume()
     end = [100.0, 20.0, 1.0]
     end[axis] += 0.5
     assert job.machine_position[:3] == end
     job.flush()
-    for motor, mm in zip(job.steppers()[:3], end, strict=True):
+    for motor, mm in zip(job.motors.statistics()[:3], end, strict=True):
         assert motor["net"] == mm * motor["steps_per_unit"]
 
 
@@ -449,7 +449,7 @@ def test_queued_time_is_nominal_speeds_and_dwells():
     job = Job(load("i3").core_spec())
     job.feed(b"G1 X30 F600\nG4 P5000\nG1 X0 F1200\n")
     assert job.advance() == JobStatus.NEED_INPUT
-    assert job.queued_ticks == pytest.approx((3.0 + 5.0 + 1.5) * oracle.HZ)
+    assert job.plan.queued_ticks == pytest.approx((3.0 + 5.0 + 1.5) * oracle.HZ)
 
 
 @pytest.mark.parametrize("line", ["G4 P10", "G1 X5.001\nG1 X5"])
@@ -460,13 +460,13 @@ def test_moves_without_steps_are_forgotten_too(line):
     assert job.advance() == JobStatus.NEED_INPUT
     job.flush()
     early = job.clock - 3 * oracle.HZ
-    assert job.position_at(early) is not None
-    job.passed(job.clock)
+    assert job.history.position_at(early) is not None
+    job.plan.passed(job.clock)
     job.feed(f"{line}\n".encode() * 300)
     assert job.advance() == JobStatus.NEED_INPUT
     job.flush()
-    assert job.position_at(early) is None
-    assert job.position_at(job.clock - 0.5 * oracle.HZ) is not None
+    assert job.history.position_at(early) is None
+    assert job.history.position_at(job.clock - 0.5 * oracle.HZ) is not None
 
 
 def test_held_plan_waits_after_tiny_braking_distance():

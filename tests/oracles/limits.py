@@ -184,6 +184,8 @@ def beginning(text, lines):
 def printed(machine, path):
     """The peaks of a print, and where its motors end, in steps."""
     job = Print(machine, Policy())
-    job.job.keep_moves(True)
+    job.job.results.keep_moves(True)
     job.run(str(path))
-    return peaks(machine, job.job.take_moves()), [m["count"] for m in job.job.steppers()]
+    return peaks(machine, job.job.results.take_moves()), [
+        m["count"] for m in job.job.motors.statistics()
+    ]

@@ -77,7 +77,7 @@ def test_triggered_endstop_ends_a_print(tmp_path, switch):
         s.host.ok("M540 S1")
         s.host.ok("M32 a.g")
         s.passes(20)
-        assert s.printer.rig.job.line_at(s.printer.rig.queue.now) > 3
+        assert s.printer.rig.job.history.line_at(s.printer.rig.queue.now) > 3
         s.host.silent(1, "endstops hit")
         s.board.force_switch(switch, True)
         s.host.expect(f"Print of a.g stopped: endstop {switch} was triggered", 3)

@@ -109,7 +109,7 @@ def test_laser_is_off_in_a_pause_and_energy_stays(s):
     s.passes(2)
     assert s.board.output_value("laser") == 0
     s.run(act(s.printer.rig.queue.before_moves))
-    s.run(act(s.printer.rig.job.release))
+    s.run(act(s.printer.rig.job.stops.release))
     s.run(act(s.printer.rig.queue.after_moves))
     finish(s)
     assert FULL_W * energy_s(beam.changes()) == pytest.approx(4.0, rel=0.01)

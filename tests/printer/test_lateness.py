@@ -68,12 +68,14 @@ def printing(request, tmp_path):
         wire = Wire(connection.link, s.board, connection.now)
         connection.wire = wire
         s.host.ok("M32 a.g")
-        assert s.until(lambda: s.printer.rig.job.line_at(s.printer.rig.queue.now) > FIRST + 20, 60)
+        assert s.until(
+            lambda: s.printer.rig.job.history.line_at(s.printer.rig.queue.now) > FIRST + 20, 60
+        )
         yield s, wire
 
 
 def line_now(s: Scenario) -> int:
-    return s.printer.rig.job.line_near(s.printer.rig.queue.now)
+    return s.printer.rig.job.history.line_near(s.printer.rig.queue.now)
 
 
 def test_retransmissions_are_named_for_late_commands(printing):

@@ -71,8 +71,9 @@ def test_a_plan_that_reaches_far_ahead_takes_no_more(s):
     s.passes(0.5)
     acknowledged = sum(x.startswith("ok") for x in s.host.heard) - 1
     assert acknowledged == 4  # the first goes nowhere; the fourth reaches beyond
-    assert s.printer.rig.job.clock + s.printer.rig.job.queued_ticks < s.printer.rig.queue.now + (
-        (BUFFER_S + 1.5) * s.printer.rig.queue.hz
+    assert (
+        s.printer.rig.job.clock + s.printer.rig.job.plan.queued_ticks
+        < s.printer.rig.queue.now + ((BUFFER_S + 1.5) * s.printer.rig.queue.hz)
     )
 
 
@@ -176,8 +177,8 @@ def test_a_stall_of_half_a_second_is_covered_whenever_it_comes(s, seed):
     least = []
 
     def look():
-        ahead = (job.handed_out - queue.now) / queue.hz
-        if job.queued > 0 and job.handed_out > 0:
+        ahead = (job.plan.handed_out - queue.now) / queue.hz
+        if job.plan.queued > 0 and job.plan.handed_out > 0:
             least.append(ahead)
 
     s.printer.lifetime.as_time_passes(look)

@@ -71,7 +71,7 @@ def test_a_change_of_the_plan_keeps_a_target_at_its_end(asks, way_mm):
         s.host.ok(f"G1 X{way_mm} Y3 F1800")
         s.host.ok("M104 S200")
         job, queue, other = s.printer.rig.job, s.printer.rig.queue, Host(s)
-        assert s.until(lambda: job.queued == 0 and job.clock < queue.now + 0.15 * queue.hz, 10)
+        assert s.until(lambda: job.plan.queued == 0 and job.clock < queue.now + 0.15 * queue.hz, 10)
         other.ok(asks)
         s.passes(3)
         assert targets(s)["hotend"] == 200
@@ -82,9 +82,9 @@ def test_a_target_outlasts_a_lost_link(monkeypatch):
     with Scenario() as s:
         s.host.ok("M104 S200")
         due = (
-            s.printer.rig.job.next_mark
+            s.printer.rig.job.outputs.next_mark
             or s.printer.rig.queue.flush()
-            or s.printer.rig.job.next_mark
+            or s.printer.rig.job.outputs.next_mark
         )
         queue = s.printer.rig.queue
         run, fails = queue._run, [True]
@@ -115,7 +115,9 @@ def test_off_is_the_last_word_on_a_queued_target(how, tmp_path):
             job, queue = s.printer.rig.job, s.printer.rig.queue
 
             def near():
-                return job.next_mark and job.next_mark[0] < queue.now + 0.1 * queue.hz
+                return (
+                    job.outputs.next_mark and job.outputs.next_mark[0] < queue.now + 0.1 * queue.hz
+                )
 
             assert s.until(near, 5)
             if how == "M524":

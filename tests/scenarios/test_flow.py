@@ -82,7 +82,7 @@ def test_in_a_pause(s):
     s.host.expect("Done printing", 300)
     changed = before + 0.16 * RATE_MM_S
     assert filament(s) == pytest.approx(changed + 0.5 * (WHOLE_MM - changed), abs=0.03)
-    assert s.printer.rig.job.flows == [0.5]
+    assert s.printer.rig.job.filament.flows == [0.5]
 
 
 def test_flow_is_restored_with_interrupted_print(places):
@@ -150,4 +150,4 @@ def test_each_tool_has_its_own():
         assert s.host.ok("M221")[0] == "echo:E0 Flow: 100%"
         assert s.host.ok("M221 T1")[0] == "echo:E1 Flow: 50%"
         assert "T is 7: expected a tool with an extruder" in s.host.ok("M221 T7 S50")[0]
-        assert s.printer.rig.job.flows == [1.0, 0.5]
+        assert s.printer.rig.job.filament.flows == [1.0, 0.5]

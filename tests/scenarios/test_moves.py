@@ -219,7 +219,9 @@ def test_volumes_become_lengths(s):
     s.host.ok("G1 E55.4687")
     s.host.ok("M400", 60)
     assert s.positions()["e"] == pytest.approx(20.0, abs=0.01)
-    assert sum(s.printer.rig.job.statistics()["filament_mm"]) == pytest.approx(20.0, abs=1e-3)
+    assert sum(s.printer.rig.job.results.statistics()["filament_mm"]) == pytest.approx(
+        20.0, abs=1e-3
+    )
     s.host.ok("G10")  # a retraction is a length always
     s.host.ok("M400", 60)
     assert s.positions()["e"] == pytest.approx(17.0, abs=0.01)

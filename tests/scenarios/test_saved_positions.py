@@ -100,7 +100,7 @@ def test_a_home_offset_beyond_the_axis_is_refused(s):
 
 def test_g92_of_an_axis_that_was_not_homed_counts_with_the_tool():
     with Scenario("dual-extruder") as s:
-        x, y, _ = s.printer.rig.job.tool_offsets[1]
+        x, y, _ = s.printer.rig.job.tools.offsets[1]
         assert x != 0
         s.host.ok("T1")
         s.host.ok("G92 X50 Y20 Z5")

@@ -34,8 +34,14 @@ def test_m112_after_refused_command_halts(s, line):
 @pytest.mark.parametrize(
     ("line", "what"),
     [
-        ("M220 S50 G1 X12 F6000", lambda s: (s.positions()["x"], s.printer.rig.job.speed_factor)),
-        ("M105 G1 X12", lambda s: (s.positions()["x"], s.printer.rig.job.speed_factor * 0.5)),
+        (
+            "M220 S50 G1 X12 F6000",
+            lambda s: (s.positions()["x"], s.printer.rig.job.limits.speed_factor),
+        ),
+        (
+            "M105 G1 X12",
+            lambda s: (s.positions()["x"], s.printer.rig.job.limits.speed_factor * 0.5),
+        ),
     ],
 )
 def test_move_after_immediate_command_is_done(s, line, what):
@@ -70,7 +76,7 @@ def test_words_belong_to_their_own_command(s, first):
         0,
         2,
     )
-    assert s.printer.rig.job.speed_factor == 1.0
+    assert s.printer.rig.job.limits.speed_factor == 1.0
 
 
 @pytest.mark.parametrize("line", ["M0 P1 then M104 S100", "M1 P1 then M106 S255"])

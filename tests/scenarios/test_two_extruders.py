@@ -58,7 +58,7 @@ def printing(tmp_path):
     with Scenario(machine(), card=str(tmp_path)) as scenario:
         scenario.host.ok("M32 a.g")
         job, queue = scenario.printer.rig.job, scenario.printer.rig.queue
-        assert scenario.until(lambda: job.line_at(queue.now) >= 8, 300)
+        assert scenario.until(lambda: job.history.line_at(queue.now) >= 8, 300)
         assert job.tool == 0  # read ahead
         yield scenario
 
@@ -90,7 +90,7 @@ def undisturbed(tmp_path_factory) -> dict[str, int]:
 def test_pause_retracts_printed_filament_and_restores_it(printing, undisturbed, lines):
     printing.host.ok("M25")
     printing.passes(8)
-    at_stop = printing.printer.rig.job.stop_position[E]
+    at_stop = printing.printer.rig.job.stops.position[E]
     assert filament(printing) == pytest.approx((0, at_stop - 2), abs=0.1)
     for line in lines:
         printing.host.ok(line, 20)
@@ -175,7 +175,7 @@ def test_filament_of_axes_may_be_pushed_in_a_pause(tmp_path, line):
     own = re.sub(r"\[park\]\n(.+\n)*", "", extruder_axes())
     with Scenario(machine(own), card=str(tmp_path)) as s:
         s.host.ok("M32 a.g")
-        assert s.until(lambda: s.printer.rig.job.line_at(s.printer.rig.queue.now) >= 8, 300)
+        assert s.until(lambda: s.printer.rig.job.history.line_at(s.printer.rig.queue.now) >= 8, 300)
         for command in ("M25", "M400", "G91", line, "M24"):
             s.host.ok(command, 60)
         s.host.expect("Done printing", 60)
@@ -250,7 +250,7 @@ def test_a_pause_about_a_change_of_tools_moves_no_axis_twice(tmp_path, line, too
     with Scenario(machine(), card=str(tmp_path)) as s:
         s.host.ok("M32 a.g")
         job, queue = s.printer.rig.job, s.printer.rig.queue
-        assert s.until(lambda: job.line_at(queue.now) >= line, 300)
+        assert s.until(lambda: job.history.line_at(queue.now) >= line, 300)
         for command in ("M25", *tools, "M400", "M24"):
             s.host.ok(command, 60)
         s.host.expect("Done printing", 60)
@@ -266,7 +266,7 @@ def test_speed_change_before_tool_move_keeps_position(tmp_path):
         s.host.ok("M32 a.g")
         job, queue = s.printer.rig.job, s.printer.rig.queue
         for line, speed in ((6, "M220 S50"), (9, "M220 S200"), (11, "M290 Z0.1")):
-            assert s.until(lambda line=line: job.line_at(queue.now) >= line, 300)
+            assert s.until(lambda line=line: job.history.line_at(queue.now) >= line, 300)
             s.host.ok(speed)
         s.host.expect("Done printing", 60)
         at = s.positions()
@@ -278,5 +278,5 @@ def test_stop_between_tools_keeps_nozzle_position(printing):
     printing.host.ok("M410")
     printing.passes(2)
     job = printing.printer.rig.job
-    assert job.offset_due == [0, 0, 0]
+    assert job.tools.offset_due == [0, 0, 0]
     assert job.program_position[0] == pytest.approx(job.machine_position[0] + 25)

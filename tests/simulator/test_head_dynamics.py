@@ -44,7 +44,7 @@ def print_moves(machine, folder, *lines):
     job = Print(machine)
     head = head_dynamics(machine, job.board)
     head.follow(True)
-    rows = [row["count"] / row["steps_per_unit"] for row in job.job.steppers()]
+    rows = [row["count"] / row["steps_per_unit"] for row in job.job.motors.statistics()]
     head.place(job.base, rows[: len(machine.geometry.actuators)])
     job.run(path)
     return job, head

@@ -81,7 +81,7 @@ def shift_by_babysteps(s, generator, wanted):
 
     disturb(s, generator, babystep)
     s.host.ok("M400", 60)
-    per_mm = {row["name"]: row["steps_per_unit"] for row in s.printer.rig.job.steppers()}
+    per_mm = {row["name"]: row["steps_per_unit"] for row in s.printer.rig.job.motors.statistics()}
     for name, net in steps(s).items():
         assert net == wanted[name] + round(sums.get(name, 0.0) * per_mm[name]), name
     return sums

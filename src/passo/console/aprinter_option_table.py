@@ -66,7 +66,7 @@ def _limits(settings: Settings, name: str, prefix: str, words: str) -> Iterator[
     for suffix, what, code in (("MaxSpeed", "speed", "M203"), ("MaxAccel", "accel", "M201")):
         yield Option(
             f"{prefix}{suffix}",
-            lambda what=what: settings.rig.job.axis_limit(name, what),
+            lambda what=what: settings.rig.job.limits.of_axis(name, what),
             f"{code}{words}{{}}",
         )
 

@@ -192,7 +192,7 @@ class CardCommands:
     @_guarded
     def _start(self, text: str, _: Reply) -> None:
         words = _numbers(text)
-        if self._rig.job.suspended and not self._runner.active:
+        if self._rig.job.stops.suspended and not self._runner.active:
             return  # a host's print is suspended, so no other print may start
         if "S" in words and self._runner.state is not JobState.PAUSED:
             self._runner.seek(int(words["S"]))

@@ -97,7 +97,7 @@ class EmergencyParser:
         if answer is None:
             return False
         answer.used = True
-        answer.done = not (self._control.rig.job.suspended and self._control.state.busy())
+        answer.done = not (self._control.rig.job.stops.suspended and self._control.state.busy())
         return True
 
     def outdated(self) -> bool:
@@ -113,9 +113,9 @@ class EmergencyParser:
         awaited = control.prompts.awaited
         if awaited:
             control.waits.go_on()
-        if control.rig.job.suspended and control.state.busy():
+        if control.rig.job.stops.suspended and control.state.busy():
             return False
-        return awaited or (control.rig.job.suspended and control.waits.busy)
+        return awaited or (control.rig.job.stops.suspended and control.waits.busy)
 
     def _ends_wait(self, command: Command) -> bool:
         """Whether the command is M108 during a wait, or M876 that answers the question of a

@@ -101,9 +101,9 @@ class JsonStatus:
         }
 
     def _print(self, status: Status) -> dict[str, Any]:
-        statistics = self._rig.job.statistics()
+        statistics = self._rig.job.results.statistics()
         return {
-            "currentLayer": status.job.layer if status.job else self._rig.job.layer,
+            "currentLayer": status.job.layer if status.job else self._rig.job.program.layer,
             "extrRaw": [round(mm, 1) for mm in statistics["filament_mm"]],
             "fractionPrinted": round(100 * (status.progress or 0.0), 1),
         }

@@ -116,7 +116,7 @@ class Observer:
         if was.active and not state.active:
             # On a busy computer the last check may be long ago.
             job, now = self._rig.job, self._rig.queue.passed
-            layer = job.layer_near(now) if job.line_at(now) else 0
+            layer = job.history.layer_near(now) if job.history.line_at(now) else 0
             for event in self._layers(runner.name, layer, self._progress.layers):
                 self._emit(event)
             outcome = cast("Outcome", runner.ended)

@@ -485,7 +485,7 @@ class Session:
     def _acknowledge(self, number: int | None) -> None:
         text = "ok"
         if self.advanced_ok:
-            free = max(0, MAX_QUEUED - self._control.rig.job.queued)
+            free = max(0, MAX_QUEUED - self._control.rig.job.plan.queued)
             text += f" N{number}" if number is not None else ""
             text += f" P{free} B{self._lines.room}"
         self.say(f"{text} {self._ok}" if self._ok else text)

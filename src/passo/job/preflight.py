@@ -65,8 +65,8 @@ def prepare(job: _core.Job, found: _core.Survey, file: str, skips: Skips) -> lis
     """Gives a job the sub-programs of the program that it will read. Returns problems for the
     commands that a print must not skip, in the order of its lines. Empty for a text without any
     known command, which is reported when it is read."""
-    job.use_survey(found)
-    job.ignore_calls = skips.unknown
+    job.program.use_survey(found)
+    job.options.ignore_calls = skips.unknown
     commands = [Command(*row) for row in found.commands]
     if not found.moves and not any(c.letter == "T" or row_of(c.code) for c in commands):
         return []

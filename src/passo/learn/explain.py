@@ -84,7 +84,7 @@ def explain(
         if bad is None or bad <= line:
             raise
         job, seen = _printed(machine, path, line, policy, bad)
-    number, checked, heard = job.job.heard
+    number, checked, heard = job.job.program.watched_line
     told = Explanation(
         place=f"{path}:{line}",
         line=text,
@@ -98,7 +98,7 @@ def explain(
     if not seen.moves:
         return told
     hz = machine.board.clock_hz
-    names, unit = job.job.limit_names, path_unit(machine)
+    names, unit = job.job.limits.names, path_unit(machine)
     shown = seen.moves if len(seen.moves) <= 3 else [seen.moves[0], seen.moves[-1]]
     delay = round(job.filters.delay_s * hz)
     runs = _runs(job, seen.moves[0].start_ticks + delay, seen.moves[-1].end_ticks + delay)
@@ -127,11 +127,11 @@ def _printed(
     """Prints the file, or its lines before `end`; returns the print and the moves of the line."""
     job = Print(machine, policy)
     seen = _Seen()
-    job.job.keep_moves(True)
-    job.job.listen(line)
+    job.job.results.keep_moves(True)
+    job.job.program.watch_line(line)
 
     def look() -> None:
-        seen.take(job.job.take_moves(), line, jumps=job.job.calls)
+        seen.take(job.job.results.take_moves(), line, jumps=job.job.program.has_calls)
         if not seen.moves:  # the board has not reached the line yet
             for stepper in job.connection.board.steppers:
                 job.board.take_commands(stepper.name)

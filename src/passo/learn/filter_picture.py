@@ -27,10 +27,13 @@ def filter_picture(job: _core.Job) -> str:
     """Speed and acceleration of X and Y, and the speed of the filament, as planned and as executed
     with filters, around the corner that the job has kept. Call it at the end of the job. Empty if
     no motion was filtered."""
-    if job.corner is None:
+    if job.results.corner is None:
         return ""
-    line, x, y, corner_s = job.corner
-    laws = {slot: (job.corner_law(slot, False), job.corner_law(slot, True)) for slot in (0, 1, _E)}
+    line, x, y, corner_s = job.results.corner
+    laws = {
+        slot: (job.results.corner_law(slot, False), job.results.corner_law(slot, True))
+        for slot in (0, 1, _E)
+    }
     start_s = laws[0][0][0][0]
     last = [parts[-1] for both in laws.values() for parts in both]
     took_s = max(at_s - start_s + part_s for at_s, part_s, *_ in last)

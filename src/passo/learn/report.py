@@ -50,9 +50,9 @@ def write_report(
         job.every_s = collector.look_s
 
     job = Print(machine, policy, look, collector.look_s)
-    job.job.keep_moves(True)
-    job.job.keep_corner()
-    job.watch(lambda: collector.take(job.job.take_moves()))
+    job.job.results.keep_moves(True)
+    job.job.results.keep_corner()
+    job.watch(lambda: collector.take(job.job.results.take_moves()))
     result, failed = PrintResult(file=str(path), machine=machine.name), None
     try:
         job.run(path, result=result)
@@ -61,9 +61,9 @@ def write_report(
             raise
         failed = error
         job.job.flush()  # plans the moves before the failed line
-    collector.take(job.job.take_moves())
+    collector.take(job.job.results.take_moves())
     filters = filter_picture(job.job)
-    text = _page(collector, job.job.statistics(), result, failed, job.first_layer, filters)
+    text = _page(collector, job.job.results.statistics(), result, failed, job.first_layer, filters)
     with replaced(output) as temporary:
         temporary.write_text(text, encoding="utf-8")
     try:

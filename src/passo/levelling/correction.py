@@ -38,7 +38,7 @@ class Fade:
 
 
 class HeightMapTarget(Protocol):
-    """The part of the core that takes a height map: `passo._core.Job` or `Motion`."""
+    """The part of the core that takes a height map: `bed` of `passo._core.Job`, or `Motion`."""
 
     def set_height_map(
         self,

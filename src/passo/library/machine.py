@@ -55,9 +55,9 @@ class Machine:
         Raises InputError if the file cannot be read or demands what the machine cannot do.
         """
         job = _core.Job(self._spec, False)
-        job.keep_moves(True)
+        job.results.keep_moves(True)
         commands = Commands.of_plan(self.config, job)
-        limits = job.limit_names
+        limits = job.limits.names
         for _ in run_program(job, commands, path):
             yield from self._moves(job, limits)
 
@@ -151,8 +151,8 @@ class Machine:
         return Print(self.config, policy).run(path)
 
     def _moves(self, job: _core.Job, limits: list[str]) -> Iterator[PlannedMove]:
-        features, hz = job.feature_names, self.config.board.clock_hz
-        for move in job.take_moves():
+        features, hz = job.program.feature_names, self.config.board.clock_hz
+        for move in job.results.take_moves():
             yield PlannedMove(
                 move,
                 move.start_ticks / hz,

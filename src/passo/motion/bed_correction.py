@@ -70,13 +70,13 @@ class BedCorrection:
         """The height of the bed at X, Y by the last measurement, mm; 0 without one."""
         return self.correction.plain(x, y) if self.correction else 0.0
 
-    def apply_to(self, job: HeightMapTarget) -> None:
-        """Gives another job of the same machine, with no move queued, the correction that is in
-        force."""
+    def apply_to(self, bed: HeightMapTarget) -> None:
+        """Gives the bed of another job of the same machine, with no move queued, the correction
+        that is in force."""
         axes = self._rig.machine.axes
         area = axes["x"].min_mm, axes["y"].min_mm, axes["x"].max_mm, axes["y"].max_mm
         correction = self.correction if self.on and not self._suspended else None
-        apply(correction, area, job)
+        apply(correction, area, bed)
 
     def _apply(self) -> None:
-        self.apply_to(self._rig.job)
+        self.apply_to(self._rig.job.bed)

@@ -198,8 +198,8 @@ class Homer:
         target = (x, y, before[Z])
         self._triggered.active = True
         rig.positions.freeze()
-        job.use_joints(True)
-        job.set_axes(list(enumerate(geometry.inverse(before))))
+        job.axes.use_joints(True)
+        job.axes.set(list(enumerate(geometry.inverse(before))))
         try:
             a, b, _ = geometry.inverse(target)
             rig.queue.move({X: a, Y: b}, math.inf, Within.ANYTHING)
@@ -209,8 +209,8 @@ class Homer:
             reached = target
             if self._interrupts.interrupted:
                 reached = geometry.forward(point(job.machine_position))
-            job.use_joints(False)
-            job.set_axes(list(enumerate(reached)))
+            job.axes.use_joints(False)
+            job.axes.set(list(enumerate(reached)))
             self._triggered.active = False
             rig.positions.thaw()
         self._interrupts.raise_if_interrupted()
@@ -312,7 +312,7 @@ class Homer:
         of_arms = self._machine.axes_of_arms if arms else ()
 
         def point_of_arms(joints: Sequence[float]) -> dict[str, float]:
-            job.use_joints(False)
+            job.axes.use_joints(False)
             if not arms:
                 return {}
             a, b, c = joints
@@ -324,7 +324,7 @@ class Homer:
         behind = {way.name: self._behind(way) for way in ways}
         real = RealTravel(rig)  # the search lets the positions of the plan be wrong
         try:
-            job.use_joints(arms)
+            job.axes.use_joints(arms)
             travel = [once[w.name][0] if once else self.travel(w.name) for w in ways]
             speeds = [once[w.name][1] if once else w.config.fast for w in ways]
             for way, far in zip(ways, travel, strict=True):
@@ -437,8 +437,8 @@ class Homer:
                     raise self._problem("machine.switch-missed", switch, far)
         overshoot.measure(switches)
         for way in ways:
-            rig.job.set_axes([(way.axis, way.home)], triggered=True)
-        rig.job.set_axes(overshoot.places())
+            rig.job.axes.set([(way.axis, way.home)], triggered=True)
+        rig.job.axes.set(overshoot.places())
 
     async def _go(self, by: Sequence[float], ways: Sequence[_HomingAxis]) -> None:
         """Moves these axes together, each by its distance towards its endstops."""
@@ -460,10 +460,10 @@ class Homer:
         return self._rig.job.machine_position[slot]
 
     def _place(self, way: _HomingAxis, at: float) -> None:
-        self._rig.job.set_axes([(way.axis, at)])
+        self._rig.job.axes.set([(way.axis, at)])
 
     def _set(self, places: dict[str, float]) -> None:
-        self._rig.job.set_axes([(self._axes.index(n), at) for n, at in places.items()], homed=True)
+        self._rig.job.axes.set([(self._axes.index(n), at) for n, at in places.items()], homed=True)
         self._rig.positions.confirm(places)
         self._offsets.homed(places)
         self._rig.positions.known.update(places)

@@ -35,12 +35,12 @@ class LoneMotors:
             if not mm:
                 continue
             others = [n for n in steppers_of(rig.machine, axis) if n != name]
-            job.let_rest([self._order.index(n) for n in others])
+            job.motors.leave_out([self._order.index(n) for n in others])
             try:
                 rig.queue.move({slot: at + mm}, speed_mm_s, Within.ANYTHING)
                 rig.queue.flush()
                 await self._triggered.standstill()
             finally:
-                job.let_rest([])
-                job.set_axes([(number, at)])
+                job.motors.leave_out([])
+                job.axes.set([(number, at)])
             self._interrupts.raise_if_interrupted()

@@ -114,8 +114,8 @@ class MotionQueue:
         """Whether all moves are done, and all heater targets of the plan are set. It uses the print
         time that is processed already, because events after it have not happened yet."""
         job = self._job
-        planned = job.queued == 0 and job.clock <= self.passed and not job.holds
-        planned = planned and job.next_mark is None
+        planned = job.plan.queued == 0 and job.clock <= self.passed and not job.stops.holds
+        planned = planned and job.outputs.next_mark is None
         if not planned or not self._connection.survives:
             return planned
         # Moves that the board does not have yet will be late, and the board will report that.
@@ -128,9 +128,9 @@ class MotionQueue:
         job, now = self._job, max(self.passed, 0)  # the job starts a moment after the boards
         if self.standing:
             return True
-        if job.queued > 0 or job.holds or job.clock > now + LEAD_S * self.hz:
+        if job.plan.queued > 0 or job.stops.holds or job.clock > now + LEAD_S * self.hz:
             return False
-        at = job.position_at(now)
+        at = job.history.position_at(now)
         return at is not None and math.dist(at, job.machine_position) < _SAME_MM
 
     @property
@@ -149,16 +149,16 @@ class MotionQueue:
     def full(self) -> bool:
         """Whether the plan reaches far enough ahead, so that callers must wait."""
         job = self._job
-        ahead = job.clock - self.now + job.queued_ticks
-        return ahead > BUFFER_S * self.hz or job.queued > MAX_QUEUED
+        ahead = job.clock - self.now + job.plan.queued_ticks
+        return ahead > BUFFER_S * self.hz or job.plan.queued > MAX_QUEUED
 
     def before_moves(self) -> None:
         """Call this before adding to the plan: if the machine is idle, the plan restarts at the
         present time."""
         self._heard_s = self._loop.time()
         job = self._job
-        if job.queued == 0 and job.clock <= self.now + LEAD_S / 2 * self.hz:
-            job.wait_until(self.now + LEAD_S * self.hz)
+        if job.plan.queued == 0 and job.clock <= self.now + LEAD_S / 2 * self.hz:
+            job.plan.wait_until(self.now + LEAD_S * self.hz)
             self._first_move_s = self._heard_s
 
     def after_moves(self) -> None:
@@ -177,13 +177,13 @@ class MotionQueue:
         the error of the job has the reason."""
         places = [target.get(slot, math.nan) for slot in range(SLOTS)]
         self.before_moves()
-        reached = self._job.move_to(places, speed_mm_s, within)
+        reached = self._job.plan.move_to(places, speed_mm_s, within)
         self.after_moves()
         return reached
 
     def flush(self) -> None:
         """Settles the whole plan: the machine stops at its end."""
-        if self._job.queued > 0:
+        if self._job.plan.queued > 0:
             self.on_motion()
         self._begin_in_time()
         self._job.flush()
@@ -191,14 +191,14 @@ class MotionQueue:
 
     def replan(self) -> None:
         """Replans the moves that the board does not have yet, by the current limits."""
-        self._job.replan_from(self._earliest())
+        self._job.plan.replan_from(self._earliest())
         self._replanned()
 
     def shift(self, axis: int, mm: float) -> bool:
         """Offsets all moves that the board does not have yet along an axis, by `mm`. Returns False
         if that is out of range; the error of the job has the reason."""
         self.before_moves()
-        if self._job.shift_from(self._earliest(), axis, mm) is None:
+        if self._job.plan.shift_from(self._earliest(), axis, mm) is None:
             return False
         self._replanned()
         return True
@@ -207,36 +207,36 @@ class MotionQueue:
         """Sets the flow factor of an extruder, for the moves that the board does not have yet and
         for all later ones."""
         self.before_moves()
-        self._job.scale_flow_from(self._earliest(), extruder, factor)
+        self._job.filament.scale_flow_from(self._earliest(), extruder, factor)
         self._replanned()
 
     def record_at_once(self, target: int, value: int) -> float:
         """Sets output number `target` at the earliest clock at which the board receives the command
         in time, or after the plan if the plan ends soon. Returns the clock."""
         job, clock = self._job, self._earliest()
-        if job.queued == 0 and job.clock <= self.now + SOON_S * self.hz:
+        if job.plan.queued == 0 and job.clock <= self.now + SOON_S * self.hz:
             clock = max(clock, job.clock + 1)
-        job.record_at(clock, target, value)
+        job.outputs.record_at(clock, target, value)
         self.after_moves()
         return clock
 
     def skip_dwell(self) -> None:
         """Ends the current dwell at the earliest time that can still be changed."""
-        if self._job.skip_dwell_from(self._earliest()) is not None:
+        if self._job.plan.skip_dwell_from(self._earliest()) is not None:
             self._replanned()
 
     def hold(self) -> None:
         """Brakes to a stop on the path and suspends the rest of the plan. The laser is switched
         off."""
         self.before_moves()  # at standstill, the laser must not be switched off in the past
-        self._job.hold_from(self._earliest())
+        self._job.stops.hold_from(self._earliest())
         self._replanned()
 
     def stop(self, *, program: bool = True) -> None:
         """Brakes to a stop on the path and discards the rest of the plan. With `program`, the
         retraction of the program is reset too. The laser is switched off."""
         self.before_moves()
-        self._job.stop_from(self._earliest(), program)
+        self._job.stops.stop_from(self._earliest(), program)
         self._replanned()
 
     def use_commits(self, on: bool) -> None:
@@ -247,26 +247,26 @@ class MotionQueue:
         if on:
             hz = self.hz
             most = self._connection.move_count // _SHARE_OF_SLOTS
-            self._job.use_commits(int(COMMIT_S * hz), most)
+            self._job.commits.use(int(COMMIT_S * hz), most)
         else:
-            self._job.stop_commits()
+            self._job.commits.stop()
         self._connection.arm(on)
         self.commits = on
 
     def recover_from(self, serial: int) -> bool:
         """Call this when the boards have braked without the host after commit `serial`: suspends
         the rest of the plan. False if the commit is unknown."""
-        if self._job.recover_from(serial) is None:
+        if self._job.commits.recover_from(serial) is None:
             return False
         self._replanned()
         return True
 
     def release(self) -> None:
         """Resumes the suspended plan."""
-        if self._job.holds:
+        if self._job.stops.holds:
             self.on_motion()
         self.before_moves()
-        self._job.release()
+        self._job.stops.release()
         self.after_moves()
 
     def _earliest(self) -> float:
@@ -389,18 +389,18 @@ class MotionQueue:
         boards.live_on(until)
 
     def _pass(self, now: int) -> None:
-        if self._job.queued > 0:
+        if self._job.plan.queued > 0:
             self.on_motion()
         self._settle(now)
-        while (mark := self._job.next_mark) is not None and mark[0] <= now:
+        while (mark := self._job.outputs.next_mark) is not None and mark[0] <= now:
             # this may raise or stop the plan, so the mark is removed only afterwards
             self._run(mark[0])
-            if self._job.next_mark == mark:
-                self._job.pop_mark()
+            if self._job.outputs.next_mark == mark:
+                self._job.outputs.pop_mark()
                 self._on_mark(mark[1], mark[2])
         self._run(now)
         self.passed = now
-        self._job.passed(now)
+        self._job.plan.passed(now)
         self.on_pass()
         for alarm in [alarm for alarm in self._alarms if alarm.clock <= now]:
             self._alarms.remove(alarm)
@@ -418,10 +418,10 @@ class MotionQueue:
         job, stop = self._job, self._stop_clock
         # After many short moves, the stop is within the settled part.
         passed_by = job.clock > stop
-        near = job.queued > 0 and stop - now < TAKE_BACK_S * self.hz
+        near = job.plan.queued > 0 and stop - now < TAKE_BACK_S * self.hz
         if stop > self._earliest() and (passed_by or near):
             self.replan()
-        if job.queued == 0:
+        if job.plan.queued == 0:
             if self._dirty:
                 job.flush()  # the plan may contain a fan command
             self._dirty = False
@@ -440,8 +440,8 @@ class MotionQueue:
     def _begin_in_time(self) -> None:
         """After a stall of the program, delays moves from standstill that are due now."""
         job = self._job
-        if job.queued > 0 and job.rests and job.clock < self.now + MIN_LEAD_S * self.hz:
-            job.wait_until(self.now + LEAD_S * self.hz)
+        if job.plan.queued > 0 and job.plan.rests and job.clock < self.now + MIN_LEAD_S * self.hz:
+            job.plan.wait_until(self.now + LEAD_S * self.hz)
 
     def end_waits(self) -> None:
         """Ends the waits whose conditions are true. If a condition raises an error, only its wait

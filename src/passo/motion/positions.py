@@ -61,7 +61,7 @@ class Positions:
         execute the rest of the plan. Lets time pass; raises MachineError."""
         self.settled = False
         self.settlings += 1
-        for row in self._job.steppers():
+        for row in self._job.motors.statistics():
             name = row["name"]
             self.lost[name] = row["expected_net"] - self._connection.net_steps(name)
         self.settled = True
@@ -88,7 +88,7 @@ class Positions:
             return {}
         return {
             row["name"]: row["count"] - row["expected_net"] + self.lost.get(row["name"], 0)
-            for row in self._job.steppers()
+            for row in self._job.motors.statistics()
         }
 
     def restore(self, origins: dict[str, int]) -> bool:
@@ -96,14 +96,14 @@ class Positions:
         False without any change if the board has no valid counts, or if a motor was switched off in
         the meantime. Lets time pass; raises MachineError."""
         job, connection = self._job, self._connection
-        rows = {row["name"]: row for row in job.steppers()}
+        rows = {row["name"]: row for row in job.motors.statistics()}
         if not self.held or set(origins) != set(rows):
             return False
         counts = {name: connection.net_steps(name) + origins[name] for name in rows}
         places = [at for at in self._places(self._real(counts)) if at is not None]
         if len(places) < len(self.machine.axes):
             return False
-        job.set_axes(list(enumerate(places)))
+        job.axes.set(list(enumerate(places)))
         self.settle()
         return True
 
@@ -111,7 +111,7 @@ class Positions:
         """The position of each actuator, axis and extruder, mm or degrees."""
         machine = self.machine
         real: dict[tuple[str, int], float] = {}
-        for row in self._job.steppers():
+        for row in self._job.motors.statistics():
             name = row["name"]
             driven = machine.driven_by(name)
             if driven is not None:
@@ -126,7 +126,7 @@ class Positions:
         try:
             a, b, c = (real[("actuator", i)] for i in range(3))
             x, y, height = machine.geometry.forward((a, b, c))
-            places[:3] = x, y, self._job.plan_z(x, y, height)
+            places[:3] = x, y, self._job.bed.plan_z(x, y, height)
         except (Unreachable, KeyError):
             pass
         for i in range(3, len(places)):
@@ -138,7 +138,7 @@ class Positions:
         boards. Lets time pass; raises MachineError."""
         names = None if board is None else {s.name for s in board.board.steppers}
         found: dict[str, int] = {}
-        for row in self._job.steppers():
+        for row in self._job.motors.statistics():
             name = row["name"]
             if names is not None and name not in names:
                 continue
@@ -159,14 +159,14 @@ class Positions:
 
     def _planned(self, clock: int) -> dict[str, float] | None:
         job = self._job
-        found = job.position_at(clock)
+        found = job.history.position_at(clock)
         if found is None:
             return None
         letters = self._letters
         slots = [*(slot_of_axis(i) for i in range(len(letters))), E]
         ends = job.machine_position
         return {
-            letter: place - (ends[slot] - found[slot]) / (job.filament_scale if slot == E else 1)
+            letter: place - (ends[slot] - found[slot]) / (job.filament.scale if slot == E else 1)
             for letter, slot, place in zip(
                 [*letters, "E"], slots, job.program_position, strict=True
             )
@@ -194,5 +194,5 @@ class Positions:
         index = list(machine.extruders).index(extruder) if extruder else 0
         if ("extruder", index) in real:
             left_mm = machine_ends[E] - real[("extruder", index)]
-            found["E"] = e_end - left_mm / job.filament_scale
+            found["E"] = e_end - left_mm / job.filament.scale
         return found, counts

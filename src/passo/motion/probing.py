@@ -354,7 +354,7 @@ class Prober:
         x, y = self.nozzle_at(place)
         async with self._session():
             # Whatever the real Z is, this leaves `farthest_mm` of travel down to Z 0
-            job.set_axes([(Z, farthest_mm)])
+            job.axes.set([(Z, farthest_mm)])
             if not self._deployed and probe.travels_to_deploy:
                 await probe.deploy(self._head)
             await self._head.move(probe.travel_mm_s, x=x, y=y)
@@ -370,7 +370,7 @@ class Prober:
     def _shift(self, trigger_z_mm: float) -> None:
         """Sets Z so that the trigger was at the trigger height of the probe."""
         by = self.trigger_height_mm - trigger_z_mm
-        self._rig.job.set_axes([(Z, self._head.z_mm + by)])
+        self._rig.job.axes.set([(Z, self._head.z_mm + by)])
 
     async def samples(self, place: Place, count: int) -> list[float]:
         """The heights of `count` measured descents to one place. Raises as `measure`."""
@@ -527,7 +527,7 @@ class Prober:
         point = self._machine.geometry.forward(overshoot.stopped())
         moved = {d.index for s in switch.steppers if (d := self._machine.driven_by(s))}
         axes = (Z,) if switch == self._switch and len(moved) == 1 else (X, Y, Z)
-        self._rig.job.set_axes([(axis, point[axis]) for axis in axes], triggered=True)
+        self._rig.job.axes.set([(axis, point[axis]) for axis in axes], triggered=True)
 
     async def _open(self, place: Place) -> None:
         """Makes sure that the probe is open before a descent, after a further lift if necessary."""

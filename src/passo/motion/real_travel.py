@@ -18,7 +18,7 @@ class RealTravel:
         self._rig = rig
         self._before = rig.job.machine_position
         lost = rig.positions.lost
-        rows = rig.job.steppers()
+        rows = rig.job.motors.statistics()
         self._counts = {r["name"]: r["expected_net"] - lost.get(r["name"], 0) for r in rows}
 
     def place(self) -> list[float]:
@@ -28,9 +28,9 @@ class RealTravel:
         rig, machine = self._rig, self._rig.machine
         place = [self._before[slot_of_axis(i)] for i in range(len(machine.axes))]
         x, y, z = place[:3]
-        actuators = list(machine.geometry.inverse((x, y, rig.job.nozzle_height(x, y, z))))
+        actuators = list(machine.geometry.inverse((x, y, rig.job.bed.nozzle_height(x, y, z))))
         counted: set[tuple[str, int]] = set()
-        for row in rig.job.steppers():
+        for row in rig.job.motors.statistics():
             name = row["name"]
             driven = machine.driven_by(name)
             if driven is None or (driven.drive, driven.index) in counted:
@@ -43,4 +43,4 @@ class RealTravel:
                 place[driven.index] += by
         a, b, c = actuators
         x, y, height = machine.geometry.forward((a, b, c))
-        return [x, y, rig.job.plan_z(x, y, height), *place[3:]]
+        return [x, y, rig.job.bed.plan_z(x, y, height), *place[3:]]

@@ -222,7 +222,7 @@ class ResonanceTest:
 
     def _add(self, pieces: list[_Piece]) -> None:
         try:
-            self._rig.job.add_pieces(pieces)
+            self._rig.job.plan.add_pieces(pieces)
         except ValueError as error:  # too fast for a motor, or out of reach of an arm
             raise CommandError.of("resonance.motion", value=str(error)) from None
 

@@ -49,7 +49,7 @@ class Rig:
 
     def planned_s(self) -> float:
         """Print time of all motion and dwell that was planned so far, seconds."""
-        plan = self.job.statistics()
+        plan = self.job.results.statistics()
         return plan["move_s"] + plan["dwell_s"]
 
     def use_geometry(self, machine: MachineConfig) -> None:
@@ -64,7 +64,7 @@ class Rig:
             return
         locked = set(job.locked_axes)
         x, y, z, *_ = job.machine_position
-        nozzle = x, y, job.nozzle_height(x, y, z)
+        nozzle = x, y, job.bed.nozzle_height(x, y, z)
         moved = [
             machine.homing[name].position - old.homing[name].position if name in old.homing else 0.0
             for name in old.geometry.arms
@@ -80,15 +80,15 @@ class Rig:
                 raise
             place = home
         self.machine = self.positions.machine = machine
-        job.set_geometry(machine.geometry.spec())
+        job.axes.set_geometry(machine.geometry.spec())
         if machine.axes_of_arms:
-            job.set_axes(list(enumerate(home)), homed=True)
+            job.axes.set(list(enumerate(home)), homed=True)
         x, y, height = place
-        after = x, y, job.plan_z(x, y, height)
+        after = x, y, job.bed.plan_z(x, y, height)
         before = job.machine_position
-        job.set_axes([(i, mm) for i, mm in enumerate(after) if abs(mm - before[i]) > _SAME_MM])
+        job.axes.set([(i, mm) for i, mm in enumerate(after) if abs(mm - before[i]) > _SAME_MM])
         for axis in locked:
-            job.lock_axis(axis, True)
+            job.axes.lock(axis, True)
 
     @contextmanager
     def square(self, halted: Callable[[], bool]) -> Generator[None]:
@@ -114,4 +114,4 @@ class Rig:
         if self.machine.unhomed_moves == "refuse":
             order = axis_order(self.machine.axes)
             for name in axes:
-                self.job.lock_axis(order.index(name), True)
+                self.job.axes.lock(order.index(name), True)

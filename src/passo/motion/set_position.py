@@ -46,13 +46,13 @@ def place_of_actuators(
         x, y, z = job.machine_position[:E]
         known = dict.fromkeys(geometry.actuators, z)
         if not locked:
-            nozzle = x, y, job.nozzle_height(x, y, z)
+            nozzle = x, y, job.bed.nozzle_height(x, y, z)
             known = dict(zip(geometry.actuators, geometry.inverse(nozzle), strict=True))
         a, b, c = (known | given).values()
         point = geometry.forward((a, b, c))
         geometry.inverse(point)  # a delta's rods also meet at places that its nozzle must not reach
         x, y, height = point
-        point = x, y, job.plan_z(x, y, height)
+        point = x, y, job.bed.plan_z(x, y, height)
     except Unreachable as error:
         raise _nowhere(command, error) from None
     ways = 3 if geometry.lifts_together or 2 not in locked else 2

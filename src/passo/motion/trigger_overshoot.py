@@ -34,7 +34,7 @@ class TriggerOvershoot:
         that long."""
         for name, clock in self._endstops.hit.items():
             if name not in self._hit_at:
-                found = self._rig.job.position_at(clock - self._rig.queue.base)
+                found = self._rig.job.history.position_at(clock - self._rig.queue.base)
                 if found is not None:
                     self._hit_at[name] = found
 
@@ -70,7 +70,7 @@ class TriggerOvershoot:
         of their boards. Their drives have taken up their gaps in the direction of the search. Only
         for moves of the axes."""
         found: dict[int, float] = {}
-        for row in self._rig.job.steppers():
+        for row in self._rig.job.motors.statistics():
             driven = self._machine.driven_by(row["name"])
             if driven is not None and driven.drive == "actuator":
                 steps = row["count"] - self._lost_steps(row["name"]) + row["taken_up"]
@@ -95,7 +95,7 @@ class TriggerOvershoot:
 
     def _way(self, stepper: str, driven: Driven, hit_at: Sequence[float]) -> float:
         """The travel of an actuator, or an axis, from the trigger to the stop."""
-        row = next(r for r in self._rig.job.steppers() if r["name"] == stepper)
+        row = next(r for r in self._rig.job.motors.statistics() if r["name"] == stepper)
         lost = self._lost_steps(stepper)
         if driven.drive == "axis":
             at = hit_at[slot_of_axis(driven.index)]

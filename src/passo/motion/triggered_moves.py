@@ -62,7 +62,7 @@ class TriggeredMoves:
         """Switches the filters off or on again, except while the printer is halted."""
         self._active = active
         if not self._interrupts.halted:
-            self._rig.job.use_filters(not active)
+            self._rig.job.filters.use(not active)
 
     @contextmanager
     def prepared(self) -> Generator[None]:
@@ -114,7 +114,7 @@ class TriggeredMoves:
         finally:
             self.endstops.disarm()
             moved = {stepper for switch in switches for stepper in switch.steppers}
-            rig.job.renew_steppers([self._order.index(stepper) for stepper in moved])
+            rig.job.motors.renew([self._order.index(stepper) for stepper in moved])
         if not self._interrupts.halted:
             rig.positions.settle()
         return overshoot

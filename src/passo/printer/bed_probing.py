@@ -204,16 +204,18 @@ class BedProbing:
         printer, job = self._printer, self._job
         machine = printer.rig.machine
         if machine.geometry != commands.machine.geometry:
-            job.set_geometry(machine.geometry.spec())
+            job.axes.set_geometry(machine.geometry.spec())
             commands.use_geometry(machine)
-        printer.motion.correction.apply_to(job)
+        printer.motion.correction.apply_to(job.bed)
         if not self._lost:
-            job.stand_at([(slot, printer.rig.job.machine_position[slot]) for slot in (X, Y, Z)])
+            job.axes.set_position(
+                [(slot, printer.rig.job.machine_position[slot]) for slot in (X, Y, Z)]
+            )
         board = printer.board
         assert board is not None
         return {
             row["name"]: board.position(row["name"]) - row["count"] / row["steps_per_unit"]
-            for row in printer.rig.job.steppers()
+            for row in printer.rig.job.motors.statistics()
         }
 
 

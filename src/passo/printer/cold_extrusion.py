@@ -76,9 +76,9 @@ class ColdExtrusion:
 
     def guard(self, job: _core.Job, heaters: Mapping[str, _core.Heater]) -> None:
         """Sets in the interpreter of `job` which filament may move now."""
-        job.cold = not self.warm(heaters, job.tool)
+        job.filament.cold = not self.warm(heaters, job.tool)
         for number, heater in self.axes():
-            job.set_cold_axis(number, not self.melts(heater, heaters))
+            job.filament.set_cold_axis(number, not self.melts(heater, heaters))
 
     def warm(self, heaters: Mapping[str, _core.Heater], tool: int) -> bool:
         """Whether the tool's hotend is warm enough to move filament."""

@@ -149,10 +149,10 @@ class Dispatch:
         held."""
         rig, state = self._rig, self._state
         lost = rig.queue.interrupted and not state.halted  # a suspended plan must resume first
-        if state.host_paused or lost or not rig.job.at_boundary:
+        if state.host_paused or lost or not rig.job.program.at_boundary:
             return False
         # During a print the plan is always full, and a line is appended to it anyway.
-        return rig.job.queued <= MAX_QUEUED if state.busy() else not rig.queue.full
+        return rig.job.plan.queued <= MAX_QUEUED if state.busy() else not rig.queue.full
 
     async def room(self) -> bool:
         """Waits until a planned line can be read. Call it with the motion lock held. Returns True
@@ -176,7 +176,7 @@ class Dispatch:
             lines = commands.macros.rendered(
                 name, text, commands.status(), lambda answer: _respond(reply, answer)
             )
-            self._rig.job.insert(lines.encode("utf-8", "surrogateescape"))
+            self._rig.job.program.insert(lines.encode("utf-8", "surrogateescape"))
 
         return self._take(insert, reply)
 
@@ -190,21 +190,21 @@ class Dispatch:
         self._tell_of_line(done=False)
         job = self._rig.job
         feed()
-        before = job.queued, job.clock
+        before = job.plan.queued, job.clock
         wait = self._go_on(reply)
         self._tell_of_line(done=True)
-        if not self._state.busy() and (job.queued, job.clock) != before:
+        if not self._state.busy() and (job.plan.queued, job.clock) != before:
             self._state.program = reply
         return wait
 
     def take_setting(self, text: str, reply: Reply) -> None:
         """Executes one line of stored settings. Call it with the motion lock held and the machine
         idle."""
-        self._rig.job.plain = True  # a setting must not call a macro
+        self._rig.job.options.plain = True  # a setting must not call a macro
         try:
             self._settle_line(text, reply)
         finally:
-            self._rig.job.plain = False
+            self._rig.job.options.plain = False
 
     def _settle_line(self, text: str, reply: Reply) -> None:
         self._feed(text)
@@ -244,7 +244,7 @@ class Dispatch:
     def _forget_line(self) -> None:
         """Discards the rest of a console's line, and of the macros that it has called."""
         self._rig.job.abandon()
-        self._rig.job.forget_macros()
+        self._rig.job.program.forget_macros()
 
     def _expanded(self, command: Command, reply: Reply) -> bool:
         """Expands a macro that a console calls. Returns False if that fails, after it has reported
@@ -283,9 +283,9 @@ class Dispatch:
         """Selects whether the next text comes from a console or from the file."""
         self._from_console = console
         job = self._rig.job
-        job.select(console)
-        job.clamp = self._file_skips.clamp and not console
-        job.ignore_tools = self._file_skips.ignore_tools and not console
+        job.program.select(console)
+        job.options.clamp = self._file_skips.clamp and not console
+        job.options.ignore_tools = self._file_skips.ignore_tools and not console
         self._before_line()
 
     def allow(self, skips: Skips) -> None:
@@ -296,17 +296,17 @@ class Dispatch:
     @property
     def in_console_line(self) -> bool:
         """Whether a line of a console is in progress, not one of the file."""
-        return self._from_console and not self._rig.job.at_boundary
+        return self._from_console and not self._rig.job.program.at_boundary
 
     @contextmanager
     def file_selected(self) -> Generator[_core.Job]:
         """Within the block, queries and restarts of the job concern the text of the file. Do not
         read lines within the block, because a line of a console may be in progress."""
-        self._rig.job.select(False)
+        self._rig.job.program.select(False)
         try:
             yield self._rig.job
         finally:
-            self._rig.job.select(self._from_console)
+            self._rig.job.program.select(self._from_console)
 
     def run_command(self, command: Command, reply: Reply) -> Wait | None:
         """Executes a command that the interpreter does not handle itself."""
@@ -317,7 +317,7 @@ class Dispatch:
         # a file is read ahead, so wait for the moves before the command
         if handler is not None and in_turn:
             return WaitForMoves(partial(self._carried_out, handler, command, reply))
-        surveyed = self._from_console or self._rig.job.macro_depth == 0
+        surveyed = self._from_console or self._rig.job.program.macro_depth == 0
         if not surveyed and (problem := unfit(command, self._file_skips)):
             raise InputError([problem])
         wait = self._carried_out(handler, command, reply, in_file=not self._from_console)
@@ -353,7 +353,7 @@ class Dispatch:
     def _note(self, command: Command, row: Declaration | None, reply: Reply) -> None:
         """Reports why a command without a handler has no effect. Macros that are written for other
         printers continue; for a script that sends the line itself it is an error."""
-        itself = self._from_console and self._rig.job.macro_depth == 0
+        itself = self._from_console and self._rig.job.program.macro_depth == 0
         if row is None:
             if not self._rig.commands.knows(command):
                 reply.say(f'echo:Unknown command: "{command.code}"')

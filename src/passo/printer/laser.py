@@ -41,7 +41,7 @@ class Laser:
 
     def end_blanking(self) -> None:
         """Ends the blanking. A suspended job stays blanked."""
-        if self._blanked and not (self._state.halted or self._rig.job.suspended):
+        if self._blanked and not (self._state.halted or self._rig.job.stops.suspended):
             self._blank(blanked=False)
 
     def _blank(self, *, blanked: bool) -> None:

@@ -105,7 +105,7 @@ class Macros:
         MACRO. `respond` receives lines of action_respond_info. `console`: the call comes from a
         console, not from a file. Raises CommandError, and EmergencyStop."""
         code, name = command.code, self._names[command.code]
-        depth = job.macro_depth
+        depth = job.program.macro_depth
         if depth >= MAX_DEPTH:
             raise CommandError.of("macro.nested", axis=code, limit=MAX_DEPTH)
         budget = self._budgets.get(console)
@@ -123,7 +123,7 @@ class Macros:
         text = self._render(name, gcode, values, status, budget, respond)
         for watcher in self.watchers:
             watcher(command, text)
-        job.insert(text.encode("utf-8", "surrogateescape"), code)
+        job.program.insert(text.encode("utf-8", "surrogateescape"), code)
 
     def rendered(self, name: str, text: str, status: Status, respond: Respond) -> str:
         """The lines of the template `text` of the machine file, which is not a macro; `name` is its

@@ -59,7 +59,7 @@ def planned_status(
         tool=job.tool,
         heaters=heaters,
         fans={name: fans.get(name, 0.0) for name in machine.fans},
-        speed_factor=job.speed_factor,
+        speed_factor=job.limits.speed_factor,
         motion=MotionStatus.of(job),
         axes={
             name: AxisStatus(
@@ -76,7 +76,7 @@ def planned_status(
             name or "main": BoardStatus(__version__, board.mcu, float(board.clock_hz), True, 0, 0)
             for name, board in machine.all_boards.items()
         },
-        flow_factors=list(job.flows),
+        flow_factors=list(job.filament.flows),
         progress=_fraction(job, file),
         job=_job(machine, job, file) if file else None,
         bed=_unmeasured(machine),
@@ -84,12 +84,12 @@ def planned_status(
 
 
 def _fraction(job: _core.Job, file: PlannedFile | None) -> float | None:
-    return min(job.offset / file.size, 1.0) if file and file.size else None
+    return min(job.program.offset / file.size, 1.0) if file and file.size else None
 
 
 def _job(machine: MachineConfig, job: _core.Job, file: PlannedFile) -> JobStatus:
-    plan = job.statistics()
-    current = job.object_of_line(job.line)
+    plan = job.results.statistics()
+    current = job.objects.of_line(job.line)
     done_s = job.clock / machine.board.clock_hz
     return JobStatus(
         file=PurePath(file.path).name,
@@ -103,7 +103,7 @@ def _job(machine: MachineConfig, job: _core.Job, file: PlannedFile) -> JobStatus
         current_object=current if current >= 0 else None,
         path=PurePath(file.path).name,
         size=file.size,
-        offset=job.offset,
+        offset=job.program.offset,
         elapsed_s=done_s,
         filament_mm=sum(plan["filament_mm"]),
         extruding_s=done_s,

@@ -16,7 +16,7 @@ def objects_of(job: _core.Job) -> tuple[PrintObject, ...]:
     """The objects of the program that a job reads, by their numbers."""
     return tuple(
         PrintObject(i, name, cancelled, _point(centre), _outline(outline))
-        for i, (name, cancelled, centre, outline) in enumerate(job.objects)
+        for i, (name, cancelled, centre, outline) in enumerate(job.objects.all)
     )
 
 

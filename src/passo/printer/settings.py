@@ -43,7 +43,7 @@ class Settings:
         yield "Home offset", [motion.home_offset_line()]
         if self.rig.machine.moves:
             yield "Predefined moves", list(self.motion.predefined_commands.setting_lines())
-        if self.rig.job.tool_offsets:
+        if self.rig.job.tools.offsets:
             yield "Tool offsets", list(motion.tool_offset_lines())
         yield from self._levelling()
         yield from self._heat()

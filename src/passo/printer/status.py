@@ -153,22 +153,22 @@ class MotionStatus:
         """The motion status of a job now; the other arguments are values that the job does not
         have."""
         machine, program = job.machine_position, job.program_position
-        absolute, absolute_e, feed_mm_s = job.modal
+        absolute, absolute_e, feed_mm_s = job.modes.now
         return cls(
             speed_mm_s=speed_mm_s,
             filament_mm_s=filament_mm_s,
             queued_s=queued_s,
-            max_speed_mm_s=speed if isfinite(speed := job.limit("speed")) else None,
-            max_accel_mm_s2=job.limit("print_accel"),
+            max_speed_mm_s=speed if isfinite(speed := job.limits.value("speed")) else None,
+            max_accel_mm_s2=job.limits.value("print_accel"),
             absolute=absolute,
             absolute_e=absolute_e,
             feedrate_mm_s=feed_mm_s if isfinite(feed_mm_s) else 0.0,
             motors_on=motors_on,
             end_mm=(machine[X], machine[Y], machine[Z], machine[E]),
             program_end_mm=(program[X], program[Y], program[Z], program[-1]),
-            minimum_cruise_ratio=job.limit("minimum_cruise_ratio"),
-            junction_deviation_mm=job.limit("junction_deviation"),
-            square_corner_mm_s=job.limit("square_corner"),
+            minimum_cruise_ratio=job.limits.value("minimum_cruise_ratio"),
+            junction_deviation_mm=job.limits.value("junction_deviation"),
+            square_corner_mm_s=job.limits.value("square_corner"),
         )
 
 

@@ -68,11 +68,11 @@ class StatusReader:
             tool=job.tool,
             heaters={name: self._heater(name) for name in rig.machine.heaters},
             fans={n: rig.commands.outputs.fans.get(n, 0.0) for n in rig.machine.fans},
-            speed_factor=job.speed_factor,
+            speed_factor=job.limits.speed_factor,
             motion=self._motion(),
             axes=self._axes(shown, homed),
             boards=self._boards(),
-            flow_factors=list(job.flows),
+            flow_factors=list(job.filament.flows),
             faults=faults_of(self._state.cause.problems) if self._state.cause else (),
             link=self._control.supervisor.link.name.lower(),
             message=self._control.prompts.message,
@@ -132,7 +132,7 @@ class StatusReader:
         if self._state.halted or rig.queue.idle:
             return 0.0, 0.0
         then = now - int(_SPEED_OVER_S * rig.queue.hz)
-        to, start = job.position_at(now), job.position_at(then)
+        to, start = job.history.position_at(now), job.history.position_at(then)
         if to is None or start is None:
             return 0.0, 0.0
         moved = [(a - b) / _SPEED_OVER_S for a, b in zip(to, start, strict=True)]

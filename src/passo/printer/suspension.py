@@ -25,7 +25,7 @@ class Suspension:
         the rest of the file's macro runs during the pause."""
         rig = self._rig
         rig.queue.hold()
-        rig.job.suspend(hand_over_macro)
+        rig.job.stops.suspend(hand_over_macro)
         self._offsets.suspend()
         self._tool = rig.job.tool
         self._stopped_mm = self.filament_mm()
@@ -35,18 +35,18 @@ class Suspension:
         """Selects the tool of the suspended job again, if another one was selected in the
         meantime."""
         rig = self._rig
-        rig.job.use_tool(self._tool)
-        rig.job.follow_tool()
+        rig.job.tools.use(self._tool)
+        rig.job.bed.follow_tool()
         rig.commands.set_points.tool_changed(self._tool)
 
     def resume(self) -> None:
         """Resumes the suspended job. The machine must be at its stop position again."""
         rig = self._rig
         rig.queue.before_moves()
-        if rig.job.suspended:
+        if rig.job.stops.suspended:
             self._offsets.resume()
         self._end()
-        rig.job.resume()
+        rig.job.stops.resume()
         rig.commands.set_points.follow_tool()
         rig.queue.after_moves()
         self._laser.end_blanking()
@@ -54,14 +54,14 @@ class Suspension:
     def filament_mm(self) -> float:
         """The planned filament of all extruders so far, mm, without moves during the suspension of
         a job."""
-        if not self._rig.job.suspended:
+        if not self._rig.job.stops.suspended:
             self._end()
         if self._stopped_mm is not None:
             return self._stopped_mm
         return self._pushed_mm() - self._between_mm
 
     def _pushed_mm(self) -> float:
-        return sum(self._rig.job.statistics()["filament_mm"])
+        return sum(self._rig.job.results.statistics()["filament_mm"])
 
     def _end(self) -> None:
         """Call this when the suspended job has resumed or was discarded."""

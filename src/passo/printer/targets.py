@@ -29,7 +29,7 @@ class Targets:
             self._rig.connection.set_target(heater, celsius)
             return
         self._rig.queue.before_moves()
-        self._rig.job.mark(self._heaters.index(heater), round(celsius * 100))
+        self._rig.job.outputs.mark(self._heaters.index(heater), round(celsius * 100))
         self._rig.queue.after_moves()
 
     def mark_reached(self, index: int, value: int) -> bool:

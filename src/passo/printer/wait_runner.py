@@ -106,7 +106,9 @@ class WaitRunner:
         def let_in() -> bool:
             if state.host_paused:
                 self._skip_moves = False  # that M108 was for the pause
-            return there() or bool(state.halted) or (self._skip_moves and rig.job.at_boundary)
+            return (
+                there() or bool(state.halted) or (self._skip_moves and rig.job.program.at_boundary)
+            )
 
         try:
             await rig.queue.until(let_in, idly=True)

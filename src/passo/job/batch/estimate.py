@@ -76,7 +76,7 @@ class _FilamentCheck:
         """The clock of the plan at which `look` is due."""
         if not self._commands.unsure:
             return inf
-        return self._job.clock + self._job.queued_ticks + _LOOK_S * self._hz
+        return self._job.clock + self._job.plan.queued_ticks + _LOOK_S * self._hz
 
     def look(self, name: str) -> None:
         """Raises InputError, with `name` as the file."""
@@ -85,7 +85,7 @@ class _FilamentCheck:
             self._filament_mm = None
             return
         self._heating.catch_up()
-        moved = self._job.statistics()["filament_mm"]
+        moved = self._job.results.statistics()["filament_mm"]
         cold = not commands.cold.warm(self._heating.heaters, self._job.tool)
         if cold and self._filament_mm not in (None, moved):
             raise InputError([with_option(Problem("input.cold", name, self._job.line or None))])
@@ -125,7 +125,7 @@ def estimate_open(
     spec = machine.core_spec()
     job = _core.Job(spec, False, skips.clamp, skips.ignore_tools)
     if take_path:
-        job.keep_toolpath()
+        job.results.keep_toolpath()
     heating = Heating(machine, job)
     full = [1] * len(machine.timed_outputs)
     macros = Macros(machine, SavedVariables(saved))
@@ -153,7 +153,7 @@ def estimate_open(
     if take_path:
         heating.catch_up()
         take_path(encoded_toolpath(job, heating.targets))
-    plan = job.statistics()
+    plan = job.results.statistics()
     layers, layers_s = plan["layers"], plan["layer_s"]
     # If a file has layer marks, moves before the first mark belong to no layer.
     counted_s = layers_s[1 : layers + 1]

@@ -69,7 +69,10 @@ class FirstLayerWatch:
         `errors_mm` is the real position of each motor minus its position in the plan, mm or
         degrees; with None, the last difference stays."""
         self._errors_mm = self._errors_mm if errors_mm is None else errors_mm
-        rows = {row["name"]: row["count"] / row["steps_per_unit"] for row in self._job.steppers()}
+        rows = {
+            row["name"]: row["count"] / row["steps_per_unit"]
+            for row in self._job.motors.statistics()
+        }
         at = [rows[name] + self._errors_mm[name] for name in self._motors]
         self._gap.place(self._job.clock, at)
 

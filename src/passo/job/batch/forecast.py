@@ -45,7 +45,7 @@ async def forecast(machine: MachineConfig, reader: Reader, begin: int) -> Foreca
         nonlocal before_s
         while data := reader.read(min(_PIECE, begin - reader.tell())):
             yield data
-        before_s = _planned_s(job) + job.queued_ticks / machine.board.clock_hz
+        before_s = _planned_s(job) + job.plan.queued_ticks / machine.board.clock_hz
         while data := reader.read(_PIECE):
             yield data
 
@@ -59,10 +59,10 @@ async def forecast(machine: MachineConfig, reader: Reader, begin: int) -> Foreca
         return None
     finally:
         reader.close()
-    plan = job.statistics()
+    plan = job.results.statistics()
     return Forecast(_planned_s(job), before_s, plan["layers"], budget_use(plan, machine))
 
 
 def _planned_s(job: _core.Job) -> float:
-    plan = job.statistics()
+    plan = job.results.statistics()
     return plan["move_s"] + plan["dwell_s"]

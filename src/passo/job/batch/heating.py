@@ -58,7 +58,7 @@ class Heating:
             self._bodies[heater].heater.target = celsius
             self.targets.append((self._now_s, heater, celsius))
         else:
-            self._job.mark(self._names.index(heater), round(celsius * 100))
+            self._job.outputs.mark(self._names.index(heater), round(celsius * 100))
 
     def settle(self, wait: Wait, commands: Commands) -> None:
         """Ends a wait of the plan, after the simulated time that its temperatures need."""
@@ -100,8 +100,8 @@ class Heating:
 
     def _pass(self) -> None:
         """Simulates the heaters up to the end of the settled plan, with all changes of targets."""
-        while (mark := self._job.next_mark) is not None:
-            self._job.pop_mark()
+        while (mark := self._job.outputs.next_mark) is not None:
+            self._job.outputs.pop_mark()
             clock, heater, centi = mark
             self._until(clock / self._hz)
             self._bodies[self._names[heater]].heater.target = centi / 100

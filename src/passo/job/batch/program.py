@@ -62,17 +62,17 @@ class _Text:
     @property
     def offset(self) -> int:
         """The byte of the next line."""
-        return self._begin + self._job.offset
+        return self._begin + self._job.program.offset
 
     def repeats(self, command: Command) -> bool:
         """Carries out a command of a loop; returns False for any other one. Raises
         CommandError."""
         if command.code not in LOOPS:
             return False
-        depth = self._job.macro_depth + self._job.subprogram_depth
+        depth = self._job.program.macro_depth + self._job.program.subprogram_depth
         back = self._loops.take(command, self.offset, depth)
         if back is not None:
-            self._job.restart(back.line)
+            self._job.program.restart(back.line)
             self._begin = back.offset
             self._source.seek(back.offset)
             self._pieces = chunks(self._source, self._name)
@@ -91,7 +91,7 @@ def at_rest(job: _core.Job) -> Settle:
 
     def settle(wait: Wait) -> None:
         if isinstance(wait, WaitForHoming):
-            job.settle_position()
+            job.axes.settle()
         else:
             job.flush()
         if isinstance(wait, WaitForMoves) and wait.then is not None:
@@ -172,7 +172,7 @@ def _executed(
             _expand(job, commands, name, settle)
         elif found == status.EVENT:
             command = Command(*job.event)
-            if problem := unfit(command, unsurveyed if job.macro_depth else skips):
+            if problem := unfit(command, unsurveyed if job.program.macro_depth else skips):
                 raise InputError([with_option(replace(problem, file=name))])
             try:
                 if repeats(command):
@@ -204,21 +204,21 @@ def start_up(
         if 0 < delayed.initial_duration_s <= _STARTED_S
     ]
     for _, name in sorted(soon):
-        job.select(True)  # as a console: the modes of the file are its own
+        job.program.select(True)  # as a console: the modes of the file are its own
         try:
             key, gcode = f"delayed_gcode.{name}", commands.machine.delayed_gcode[name].gcode
             text = commands.macros.rendered(key, gcode, commands.status(), _log.info)
-            job.insert(text.encode("utf-8", "surrogateescape"))
+            job.program.insert(text.encode("utf-8", "surrogateescape"))
             for found in _executed(job, commands, "", settle, skips, unsurveyed):
                 if found == _core.JobStatus.NEED_INPUT:
                     break
                 yield
         except (CommandError, InputError) as error:
             job.abandon()
-            job.forget_macros()
+            job.program.forget_macros()
             what = f"delayed_gcode.{name}: {error}"
             commands.omitted.count(SkippedCommand.REFUSED, what, job.line)
-    job.select(False)
+    job.program.select(False)
 
 
 def _end(wait: Wait, command: Command, commands: Commands, settle: Settle, name: str) -> None:
@@ -298,7 +298,9 @@ def run_open_program(
         yield min(text.offset / size, 1.0) if size else 0.0
     if end is not None:
         return
-    if job.ends_in_move:
+    if job.program.ends_in_move:
         commands.omitted.cut_at = job.line
-    if job.commands == commands.omitted.times(SkippedCommand.UNKNOWN):
-        raise InputError.of("input.no-known-command" if job.commands else "input.empty", name)
+    if job.program.commands == commands.omitted.times(SkippedCommand.UNKNOWN):
+        raise InputError.of(
+            "input.no-known-command" if job.program.commands else "input.empty", name
+        )

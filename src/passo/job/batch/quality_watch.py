@@ -140,7 +140,10 @@ class QualityWatch:
     def placed(self, errors_mm: Mapping[str, float] | None = None) -> None:
         """Call this after homing, which changes the position at the end of the plan without a move.
         Errors of homing do not matter here: the position is that of the plan."""
-        rows = {row["name"]: row["count"] / row["steps_per_unit"] for row in self._job.steppers()}
+        rows = {
+            row["name"]: row["count"] / row["steps_per_unit"]
+            for row in self._job.motors.statistics()
+        }
         self._head.place(self._base + self._job.clock, [rows[name] for name in self._motors])
 
     def look(self) -> None:

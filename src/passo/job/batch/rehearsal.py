@@ -35,7 +35,7 @@ class _Target:
 
 
 def _plan_end(job: _core.Job) -> float:
-    return job.clock + job.queued_ticks
+    return job.clock + job.plan.queued_ticks
 
 
 class _WatchedHeat:
@@ -133,12 +133,12 @@ class RehearsedCommands(Commands):
         if "O" in wait.letters:
             lost = [number for number in self._job.locked_axes if number in numbers]
             places = [(number, point[self._axes[number]]) for number in lost]
-            self._job.set_axes(places, homed=True)
+            self._job.axes.set(places, homed=True)
             if lost and wait.letters == "O":
                 self.flow.homed()
             return
         for number in numbers:
-            self._job.lock_axis(number, False)
+            self._job.axes.lock(number, False)
         super().settled(wait)
 
     def guard(self, now: float) -> None:
@@ -159,9 +159,9 @@ class RehearsedCommands(Commands):
             self.unsure = self.unsure or melts != (target.celsius >= cold.cold_c)
             return not (melts or warms)
 
-        self._job.cold = bool(cold.hotends) and holds(cold.hotend(self._job.tool))
+        self._job.filament.cold = bool(cold.hotends) and holds(cold.hotend(self._job.tool))
         for number, heater in cold.axes():
-            self._job.set_cold_axis(number, holds(heater))
+            self._job.filament.set_cold_axis(number, holds(heater))
 
     def cold_filament(self) -> list[tuple[str, bool]]:
         """For each motor of an extruder, whether its filament is too cold to move now."""
@@ -195,7 +195,7 @@ class RehearsedCommands(Commands):
         places, lost = positions(command, self._machine, self._job)
 
         def place() -> None:
-            self._job.set_axes(list(places.items()))
+            self._job.axes.set(list(places.items()))
             self._lock(lost)
 
         return WaitForMoves(place)
@@ -203,4 +203,4 @@ class RehearsedCommands(Commands):
     def _lock(self, names: set[str]) -> None:
         if self._machine.unhomed_moves == "refuse":
             for name in names:
-                self._job.lock_axis(self._axes.index(name), True)
+                self._job.axes.lock(self._axes.index(name), True)

@@ -61,7 +61,7 @@ class PrintResult:
         self, job: _core.Job, axes: list[str], extruders: list[str], machine: MachineConfig
     ) -> None:
         """Copies the figures of the plan."""
-        plan = job.statistics()
+        plan = job.results.statistics()
         self.lines, self.moves, self.arcs = plan["lines"], plan["moves"], plan["arcs"]
         self.move_time_s, self.dwell_time_s = plan["move_s"], plan["dwell_s"]
         self.travel_mm, self.layers = plan["travel_mm"], plan["layers"]
@@ -73,7 +73,7 @@ class PrintResult:
 
     def take_steps(self, job: _core.Job, clock_hz: int) -> None:
         """Copies the figures of the step solver and the compressor."""
-        rows = job.steppers()
+        rows = job.motors.statistics()
         self.reversal_pairs_dropped = {row["name"]: row["dropped_pairs"] for row in rows}
         self.net_steps_expected = {row["name"]: row["expected_net"] for row in rows}
         total = sum(row["steps"] for row in rows)

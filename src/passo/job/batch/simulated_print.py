@@ -107,7 +107,7 @@ class _Targets:
         if at_once:
             self._connection.set_target(heater, celsius)
         else:
-            self._job.mark(self._heaters.index(heater), round(celsius * 100))
+            self._job.outputs.mark(self._heaters.index(heater), round(celsius * 100))
 
 
 class Print:
@@ -211,7 +211,7 @@ class Print:
             waited += _SLICE_S
         ready = self.connection.now - self.base + round(_LEAD_S * self._hz)
         if waited > 0:
-            self.job.wait_until(ready)
+            self.job.plan.wait_until(ready)
             self._heat_s += (self.job.clock - start) / self._hz
 
     def run(
@@ -266,15 +266,15 @@ class Print:
             for stepper in self.connection.board.steppers:
                 self.board.trace_steps(stepper.name, 0, self.base + round(self._trace_s * self._hz))
         if checks is not None:
-            self.job.line_at(0)  # record the lines of moves from here on
+            self.job.history.line_at(0)  # record the lines of moves from here on
             checks.guard(0)
         skips = self._policy.skips.on(self._machine)
         for share in run_program(self.job, self._commands, path, settle, skips, end):
             self._watch()
             if self.job.line > self._to[0]:
-                self._from, self._to = self._to, (self.job.line, share, self.job.layer)
-            self._run_to(self.job.handed_out - _HORIZON_S * self._hz)
-            self.job.passed(self.job.clock)  # moves are never replanned
+                self._from, self._to = self._to, (self.job.line, share, self.job.program.layer)
+            self._run_to(self.job.plan.handed_out - _HORIZON_S * self._hz)
+            self.job.plan.passed(self.job.clock)  # moves are never replanned
             for watch in self._step_watches.all:
                 watch.look()
         self._run_to(self.job.clock)
@@ -302,9 +302,9 @@ class Print:
         """Runs the board up to a clock of the job, and sets heaters at their marks."""
         if self._checks is not None:
             now = self.connection.now - self.base
-            self.job.line_at(now)  # drops past lines, so call it often
+            self.job.history.line_at(now)  # drops past lines, so call it often
             self._checks.guard(now)
-        while (mark := self.job.next_mark) is not None and mark[0] <= job_clock:
+        while (mark := self.job.outputs.next_mark) is not None and mark[0] <= job_clock:
             self._run(self.base + mark[0])
             self._apply_marks(mark[0])
         self._run(self.base + round(job_clock))
@@ -312,8 +312,8 @@ class Print:
             self._checks.guard(self.connection.now - self.base)
 
     def _apply_marks(self, until: float) -> None:
-        while (mark := self.job.next_mark) is not None and mark[0] <= until:
-            self.job.pop_mark()
+        while (mark := self.job.outputs.next_mark) is not None and mark[0] <= until:
+            self.job.outputs.pop_mark()
             self.connection.set_target(self._heaters[mark[1]], mark[2] / 100)
 
     def _run(self, clock: int) -> None:
@@ -345,13 +345,13 @@ class Print:
         for name, cold in self._checks.cold_filament():
             before, self._filament[name] = self._filament[name], self.board.steps(name)
             if cold and self._filament[name] != before:
-                line = self.job.line_at(self.connection.now - self.base)
+                line = self.job.history.line_at(self.connection.now - self.base)
                 raise InputError([with_option(Problem("input.cold", self._path, line or None))])
 
     def _where(self) -> Progress:
         clock = self.connection.now - self.base
         (begin, share, layer), (end, to_share, to_layer) = self._from, self._to
-        done = self.job.line_at(clock) - 1 if clock < self.job.clock else end
+        done = self.job.history.line_at(clock) - 1 if clock < self.job.clock else end
         part = min(max(done - begin, 0) / max(end - begin, 1), 1.0)
         heaters = {name: self.connection.heaters[name] for name in self._heaters}
         return Progress(
@@ -418,7 +418,7 @@ class Print:
         ]
         wire = self.connection.main.wire
         board = self._wire_cpu_s * (wire.device_share if isinstance(wire, _core.Pump) else 0.0)
-        result.cpu_s = self.job.cpu() | {
+        result.cpu_s = self.job.results.cpu() | {
             "wire": self._wire_cpu_s - board,
             "board": board,
             "total": self._cpu_s + self._probing.cpu_s,

@@ -47,7 +47,7 @@ def trace_steps(
     hz = machine.board.clock_hz
     end_s = 1e9 if to_s is None else to_s
     job.trace_until(end_s)
-    job.job.keep_ideal(ideal)
+    job.job.results.keep_ideal(ideal)
     result = job.run(path)
     ticks: dict[str, array[int]] = {}
     directions: dict[str, array[int]] = {}
@@ -60,7 +60,7 @@ def trace_steps(
         ticks[stepper.name] = array("q", (clock - job.base for clock in executed[first:]))
         directions[stepper.name] = array("b", turns)[first:]
         if ideal:
-            ideals[stepper.name] = array("d", job.job.take_ideal(i))[first : len(executed)]
+            ideals[stepper.name] = array("d", job.job.results.take_ideal(i))[first : len(executed)]
     pulses = {s.name: s.pulse_ticks for s in job.connection.board.steppers}
     return StepTrace(hz, ticks, directions, ideals, pulses, result.warnings)
 

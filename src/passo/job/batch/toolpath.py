@@ -28,7 +28,7 @@ _COLUMNS = (
 def encoded_toolpath(job: _core.Job, targets: Sequence[tuple[float, str, float]]) -> bytes:
     """The path of a completely planned job with `keep_toolpath`, with the `targets` of its heaters
     in the form of `Heating.targets`."""
-    taken = job.take_toolpath()
+    taken = job.results.take_toolpath()
     if taken is None:
         raise ValueError("the job does not keep its path")
     rows, origin_mm, unit_mm, end_s, layers, data = taken
@@ -41,8 +41,8 @@ def encoded_toolpath(job: _core.Job, targets: Sequence[tuple[float, str, float]]
             {"number": number, "row": row, "z_mm": round(z_mm, 4), "start_s": start_s}
             for row, z_mm, start_s, number in layers
         ],
-        "features": [name or "other" for name in job.feature_names],
-        "limits": job.limit_names,
+        "features": [name or "other" for name in job.program.feature_names],
+        "limits": job.limits.names,
         "targets": [
             {"time_s": round(time_s, 3), "heater": heater, "celsius": celsius}
             for time_s, heater, celsius in targets

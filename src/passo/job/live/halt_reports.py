@@ -102,7 +102,7 @@ class HaltReports:
         return JobMoment(
             runner.state.name.lower(),
             runner.name,
-            rig.job.line_at(rig.queue.passed) if runner.active else 0,
+            rig.job.history.line_at(rig.queue.passed) if runner.active else 0,
             runner.offset if runner.reader else 0,
             runner.size,
             self._progress.printed_s,

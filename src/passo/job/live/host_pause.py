@@ -49,13 +49,13 @@ class HostPause:
         position."""
         control = self._control
         control.state.tell("// action:pause")
-        if not control.rig.job.suspended:
+        if not control.rig.job.stops.suspended:
             self._suspension.suspend()
         try:
             await self._leave_and_return(self._park, text, words, gone, rearms=rearms)
         except BaseException:
-            if control.rig.job.suspended:
-                control.rig.job.forget_suspended()  # the suspended job cannot resume
+            if control.rig.job.stops.suspended:
+                control.rig.job.stops.forget_suspended()  # the suspended job cannot resume
             raise
         self._suspension.resume()
         control.state.tell("// action:resume")
@@ -123,15 +123,15 @@ class HostPause:
         self._raise_if_stopped()
 
     def _raise_if_stopped(self) -> None:
-        if self._stopped or not self._control.rig.job.suspended:
+        if self._stopped or not self._control.rig.job.stops.suspended:
             raise Stopped("it was stopped")
 
     def _stop(self, _: str) -> None:
         """Called after M410 or a triggered endstop: discards the pause, because the position is
         lost."""
         self._stopped = True
-        if self._control.rig.job.suspended and not self._control.state.busy():
-            self._control.rig.job.forget_suspended()
+        if self._control.rig.job.stops.suspended and not self._control.state.busy():
+            self._control.rig.job.stops.forget_suspended()
 
     @property
     def prints(self) -> bool:

@@ -60,12 +60,12 @@ class JobStatusReader:
     def _job_status(self) -> JobStatus:
         runner, progress = self._runner, self._progress
         job, now = self._rig.job, self._rig.queue.passed
-        line = job.line_at(now)  # drops past lines
+        line = job.history.line_at(now)  # drops past lines
         return JobStatus(
             file=runner.name,
             fraction=progress.share_done() or 0.0,
             line=line,
-            layer=job.layer_near(now) if line else 0,
+            layer=job.history.layer_near(now) if line else 0,
             layers=progress.layers,
             printed_s=progress.printed_s,
             left_s=progress.left_s,

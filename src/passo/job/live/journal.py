@@ -80,11 +80,11 @@ class Program:
     def begun(self, control: Control, settings: Settings) -> Self:
         """A copy with the present state of the printer as start state."""
         job, axes = control.rig.job, len(control.machine.axes)
-        due = [*job.offset_due, *[0.0] * (axes - 3)]
+        due = [*job.tools.offset_due, *[0.0] * (axes - 3)]
         return replace(
             self,
             settings=meaning(settings),
-            modes=job.modes.split("\n"),
+            modes=job.modes.gcode.split("\n"),
             machine_mm=[job.machine_position[slot_of_axis(i)] + due[i] for i in range(axes)],
             program_mm=job.program_position,
             macros=crc_of_macros(control.machine),

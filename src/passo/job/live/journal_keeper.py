@@ -130,7 +130,7 @@ class JournalKeeper:
     def _has_moved(self) -> bool:
         """Whether a move of the print has started, or will start although the print is stopped."""
         control = self._control
-        line = self._recorded.line or control.rig.job.line_at(control.rig.queue.passed)
+        line = self._recorded.line or control.rig.job.history.line_at(control.rig.queue.passed)
         return line > 1 or not control.rig.queue.standing
 
     def _begin(self) -> None:
@@ -147,7 +147,8 @@ class JournalKeeper:
         self._settings.begin()
         # A print that has stopped at a failed line continues after the line.
         line = (
-            self._control.rig.job.line_at(self._control.rig.queue.passed) or self._runner.first_line
+            self._control.rig.job.history.line_at(self._control.rig.queue.passed)
+            or self._runner.first_line
         )
         self._recorded = self._moment(line, self._seen_z_mm)
         read = reader.tell()  # more bytes are read than planned
@@ -190,7 +191,7 @@ class JournalKeeper:
         queue = control.rig.queue
         # Use the time up to which targets are set; otherwise the line of a later move would be
         # recorded with an earlier target. This call drops past lines, so make it often.
-        line = control.rig.job.line_at(queue.passed)
+        line = control.rig.job.history.line_at(queue.passed)
         before, self._seen_z_mm = self._seen_z_mm, self._z()
         settlings = control.rig.positions.settlings
         elsewhere, self._settlings = settlings != self._settlings, settlings
@@ -276,11 +277,11 @@ class JournalKeeper:
 
     def _z(self) -> float:
         job = self._control.rig.job
-        return (job.position_at(self._control.rig.queue.passed) or job.machine_position)[2]
+        return (job.history.position_at(self._control.rig.queue.passed) or job.machine_position)[2]
 
     def _moment(self, line: int, z_mm: float) -> Moment:
         control = self._control
-        babysteps_mm = self._motion.offsets.of_program_mm(suspended=control.rig.job.suspended)
+        babysteps_mm = self._motion.offsets.of_program_mm(suspended=control.rig.job.stops.suspended)
         return Moment(
             line if line > 1 else 0,
             round(control.rig.queue.passed / control.rig.queue.hz, 3),

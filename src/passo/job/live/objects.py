@@ -32,7 +32,7 @@ class PrintObjects:
     def all(self) -> tuple[PrintObject, ...]:
         """Each object of the current print, or of the last one, by its number."""
         job = self._rig.job
-        version = job.objects_version
+        version = job.objects.version
         if self._of is None or self._of[0] is not job or self._of[1] != version:
             self._of = job, version
             self._known = objects_of(job)
@@ -44,7 +44,7 @@ class PrintObjects:
         if not self._runner.active:
             return None
         job = self._rig.job
-        number = job.object_of_line(job.line_at(self._rig.queue.passed))
+        number = job.objects.of_line(job.history.line_at(self._rig.queue.passed))
         return number if number >= 0 else None
 
     @property
@@ -56,7 +56,7 @@ class PrintObjects:
     def named(self, name: str) -> int:
         """The number of the object with this name; case does not matter. Raises CommandError."""
         self._require_print()
-        numbers = self._rig.job.find_objects(name)
+        numbers = self._rig.job.objects.find(name)
         if not numbers:
             raise CommandError.of("job.no-object", value=name, limit=self._choice())
         if len(numbers) > 1:
@@ -74,7 +74,7 @@ class PrintObjects:
             return False
         if self._rig.machine.laser:
             raise CommandError.of("job.objects-and-laser")
-        self._rig.job.cancel_object(number, cancelled)
+        self._rig.job.objects.cancel(number, cancelled)
         for watcher in self.watchers:
             watcher(number, cancelled)
         return True

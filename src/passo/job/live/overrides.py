@@ -23,21 +23,21 @@ _SET_BY = ("M106", "M107", "M220", "M221")
 def overrides_of(job: _core.Job, commands: Commands) -> dict[str, float]:
     """The current factors for later lines, by name: "speed", "flow" with the number of the
     extruder, "fan" with its name."""
-    flows = {f"flow {extruder}": flow for extruder, flow in enumerate(job.flows)}
+    flows = {f"flow {extruder}": flow for extruder, flow in enumerate(job.filament.flows)}
     fans = {
         f"fan {name}": commands.outputs.fans.get(name, 0.0)
         for name in commands.outputs.commanded_fans
     }
-    return {"speed": job.speed_factor, **flows, **fans}
+    return {"speed": job.limits.speed_factor, **flows, **fans}
 
 
 def override(job: _core.Job, commands: Commands, name: str, factor: float) -> None:
     """Sets a factor for later lines; does nothing if the machine does not have the part."""
     what, _, which = name.partition(" ")
     if what == "speed":
-        job.set_speed_factor(factor)
-    elif what == "flow" and int(which) < len(job.flows):
-        job.set_flow(int(which), factor)
+        job.limits.set_speed_factor(factor)
+    elif what == "flow" and int(which) < len(job.filament.flows):
+        job.filament.set_flow(int(which), factor)
     elif what == "fan" and which in commands.outputs.commanded_fans:
         commands.outputs.set_output(which, factor)
 
@@ -100,14 +100,14 @@ class Settings:
         return self._change(self._now())
 
     def _now(self) -> list[str]:
-        return meaning(self._settings) + self._control.rig.job.modes.split("\n")[1:]
+        return meaning(self._settings) + self._control.rig.job.modes.gcode.split("\n")[1:]
 
     def _line(self, done: bool) -> None:
         if not self._watched():
             return
         before, self._seen = self._seen, self._now()
         # Modes that are set during a pause end with the pause.
-        now = meaning(self._settings) if self._control.rig.job.suspended else self._seen
+        now = meaning(self._settings) if self._control.rig.job.stops.suspended else self._seen
         new = [line for line in now if line not in before]
         if done and new:
             self._tell(new)
@@ -121,5 +121,5 @@ class Settings:
         self._changed(self._change(lines))
 
     def _change(self, lines: list[str]) -> Change:
-        units = self._control.rig.job.modes.split("\n")[-1]
+        units = self._control.rig.job.modes.gcode.split("\n")[-1]
         return self._runner.offset, ["G21", *lines, units]

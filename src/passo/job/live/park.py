@@ -84,7 +84,7 @@ class Park:
             lambda: control.rig.queue.standing or bool(control.state.halted)
         )
         control.state.raise_if_halted()
-        if not control.rig.job.suspended:
+        if not control.rig.job.stops.suspended:
             return  # cancelled in the meantime
         if by_macro and self._has_moved():
             return
@@ -123,7 +123,7 @@ class Park:
 
     def _place(self) -> list[float]:
         """The position to which the nozzle returns, machine mm."""
-        return self._left or self._control.rig.job.stop_position
+        return self._left or self._control.rig.job.stops.position
 
     def _has_moved(self) -> bool:
         """Whether the nozzle is no longer at the position to which it returns."""
@@ -148,21 +148,21 @@ class Park:
         if self._celsius is not None:
             await self._reach(self._celsius)
         job = control.rig.job
-        if job.suspended:
+        if job.stops.suspended:
             self._take_tool()
             await control.waits.warm_again()
             await self._melt()
-        if self._away and job.suspended and self._heat.settings.can_extrude():
+        if self._away and job.stops.suspended and self._heat.settings.can_extrude():
             self._push(self._load_mm, _core.LOAD_MM_S)
             self._load_mm = 0.0
         at: list[float] | None = None
-        while job.suspended and at != self._place():
+        while job.stops.suspended and at != self._place():
             at = self._place()
             # Axes that are not homed stay where a failed homing has left them.
             unknown = job.locked_axes
-            job.set_axes([(i, at[self._places[i]]) for i in unknown])
+            job.axes.set([(i, at[self._places[i]]) for i in unknown])
             for i in unknown:
-                job.lock_axis(i, True)
+                job.axes.lock(i, True)
             place = {slot: at[slot] for i, slot in self._places.items() if i not in unknown}
             if not go_back(control.rig, place, park.speed_mm_s if park else math.inf):
                 raise CommandError([control.rig.commands.problem()])
@@ -176,12 +176,16 @@ class Park:
         """Waits until a hotend that was warm at the pause is warm again. Raises CommandError if it
         is not being heated."""
         control = self._control
-        if not self._warm or not control.rig.job.suspended or self._heat.settings.can_extrude():
+        if (
+            not self._warm
+            or not control.rig.job.stops.suspended
+            or self._heat.settings.can_extrude()
+        ):
             return
         hotend = control.rig.commands.set_points.heater("hotend")
         if control.rig.connection.heaters[hotend].target > 0:
             await control.waits.wait(WaitForTemperatures((hotend,)), NullReply())
-        if control.rig.job.suspended and not self._heat.settings.can_extrude():
+        if control.rig.job.stops.suspended and not self._heat.settings.can_extrude():
             raise CommandError.of("input.cold")
 
     async def _reach(self, celsius: float) -> None:

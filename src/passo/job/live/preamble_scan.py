@@ -128,29 +128,29 @@ class PreambleScan:
         """Applies the printer's settings that change the meaning of a program, and the start state
         of this program."""
         job = self.job
-        for tool, offset in enumerate(self._control.rig.job.tool_offsets):
+        for tool, offset in enumerate(self._control.rig.job.tools.offsets):
             for axis, mm in enumerate(offset):
-                job.set_tool_offset(tool, axis, mm)
+                job.tools.set_offset(tool, axis, mm)
         letters = [name.upper() for name in axis_order(self._control.machine.axes)]
         zero = zip([*letters, "E"], program.program_mm, strict=False)
         words = " ".join(letter + numeral(mm) for letter, mm in zero)
         places = [f"G92 {words}"] if words else []  # G92 without words would set all axes to 0
         self._take(*self._settings.lines(), *program.modes, "G21")
-        job.set_axes(list(enumerate(program.machine_mm)))
+        job.axes.set(list(enumerate(program.machine_mm)))
         self._take(*places, *program.modes[-1:])  # again, in the program's own units
 
     def _take(self, *lines: str) -> None:
         job = self.job
-        job.select(True)
-        job.plain = True  # a setting must not call a macro
+        job.program.select(True)
+        job.options.plain = True  # a setting must not call a macro
         for line in lines:
             job.feed(line.encode() + b"\n")
             while job.advance() == _core.JobStatus.EVENT:
                 wait = self.commands.run(Command(*job.event))
                 if wait is not None:
                     self._rest(wait)
-        job.plain = False
-        job.select(False)
+        job.options.plain = False
+        job.program.select(False)
 
     def _pieces(self, changes: list[tuple[int, Callable[[], None]]]) -> Iterator[bytes]:
         """The text of the program, interrupted by the changes of consoles. A change comes after the
@@ -180,7 +180,7 @@ class PreambleScan:
         elif command.code == "M218":
             tool, offsets = motion.tool_offset(words, job.tool)
             for axis, mm in offsets.items():
-                job.set_tool_offset(tool, "XYZ".index(axis), mm)
+                job.tools.set_offset(tool, "XYZ".index(axis), mm)
                 self.settings.append(f"M218 T{tool} {axis}{numeral(mm)}")
         elif command.code == "M92":
             own = "E" in words and "T" not in words and len(self._control.machine.extruders) > 1
@@ -195,7 +195,7 @@ class PreambleScan:
         job, machine = self.job, self._control.machine
         job.flush()
         if not machine.homing:
-            job.settle_position()
+            job.axes.settle()
             return
         job.abandon()
         known = self._motion.homer.axes <= self._known
@@ -212,6 +212,6 @@ class PreambleScan:
         if goes_back:
             return
         point = machine.home_point
-        job.set_axes(
+        job.axes.set(
             [(i, point[i] + offsets.get(n, 0.0)) for i, n in enumerate("xyz") if n in names]
         )

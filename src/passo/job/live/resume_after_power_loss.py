@@ -75,7 +75,7 @@ class Recovery:
         )
         state = past.job
         for axis, mm in self._moment.babysteps_mm.items():
-            if not state.shift("xyz".index(axis), mm):
+            if not state.plan.shift("xyz".index(axis), mm):
                 raise CommandError(
                     [problem_of(state, self._program.path, control.machine.geometry)]
                 )
@@ -95,7 +95,7 @@ class Recovery:
         control.rig.commands.set_points.follow_tool()
         control.rig.commands.set_points.take_tool_temperatures(past.commands.set_points)
         control.rig.commands.macros.take_variables(past.commands.macros)
-        control.rig.job.set_speed_factor(state.speed_factor)
+        control.rig.job.limits.set_speed_factor(state.limits.speed_factor)
         control.rig.commands.factors.kept = past.commands.factors.kept
         self._motion.offsets.babysteps_mm |= self._moment.babysteps_mm
         return offset
@@ -120,7 +120,7 @@ class Recovery:
         z = self._moment.z_mm
         if "z" in known:  # the program's coordinates refer to its own homing
             z = control.rig.job.machine_position[Z] + offset_mm - was_mm.get("z", offset_mm)
-        control.rig.job.set_axes([(Z, z)])
+        control.rig.job.axes.set([(Z, z)])
         known.add("z")
         was_mm["z"] = offset_mm
         z = control.rig.job.machine_position[Z]
@@ -128,7 +128,7 @@ class Recovery:
         if not machine.homing:
             if not known.issuperset("xy"):
                 point = machine.home_point
-                control.rig.job.set_axes([(axis, point[axis]) for axis in (X, Y)])
+                control.rig.job.axes.set([(axis, point[axis]) for axis in (X, Y)])
                 known.update("xy")
             return
         await self._motion.homer.home("XY")

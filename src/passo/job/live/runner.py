@@ -140,7 +140,7 @@ class Runner:
     def offset(self) -> int:
         """The number of its bytes that are read and planned."""
         with self._control.dispatch.file_selected() as job:
-            return self._begin + job.offset
+            return self._begin + job.program.offset
 
     @property
     def progress(self) -> float | None:
@@ -337,8 +337,8 @@ class Runner:
         if not control.state.halted:
             control.stops.stop()
             self._cooling.switch_off()
-        if control.rig.job.suspended:
-            control.rig.job.forget_suspended()
+        if control.rig.job.stops.suspended:
+            control.rig.job.stops.forget_suspended()
         self._resumed.set()
         self._rewind(0)
 
@@ -348,7 +348,7 @@ class Runner:
 
     def _rewind(self, offset: int, line: int = 1) -> None:
         with self._control.dispatch.file_selected() as job:
-            job.restart(line)
+            job.program.restart(line)
         self._begin, self.first_line = offset, line
         self._cooling.forget()
         self.loops.forget()
@@ -357,7 +357,7 @@ class Runner:
 
     def _go_back(self, place: Place) -> None:
         """Continues to read the file there; modes and plan stay."""
-        self._control.rig.job.restart(place.line)
+        self._control.rig.job.program.restart(place.line)
         self._begin = place.offset
         assert self._reader is not None
         self._reader.seek(place.offset)
@@ -377,7 +377,7 @@ class Runner:
                 try:
                     ended = await self._stretch()
                     # Other tasks never run within a line.
-                    while not (ended or control.rig.job.at_boundary):
+                    while not (ended or control.rig.job.program.at_boundary):
                         ended = await self._stretch(rest_of_line=True)
                 finally:
                     control.motion_lock.release()
@@ -565,8 +565,8 @@ class Runner:
             command = self._command = Command(*job.event)
             try:
                 if command.code in LOOPS:
-                    depth = job.macro_depth + job.subprogram_depth
-                    back = self.loops.take(command, self._begin + job.offset, depth)
+                    depth = job.program.macro_depth + job.program.subprogram_depth
+                    back = self.loops.take(command, self._begin + job.program.offset, depth)
                     if back is not None:
                         self._go_back(back)
                     await asyncio.sleep(0)  # the loop may have no move

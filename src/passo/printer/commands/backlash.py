@@ -66,7 +66,7 @@ class BacklashCommands:
 
         def apply() -> None:
             for axis, mm in gaps_mm.items():
-                self._job.set_filter("gaps", "XYZ".index(axis), [share * mm, smooth_mm])
+                self._job.filters.set("gaps", "XYZ".index(axis), [share * mm, smooth_mm])
 
         return WaitForMoves(apply)
 

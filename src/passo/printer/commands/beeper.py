@@ -143,7 +143,7 @@ class Beeper:
         rig = self._rig
         self._planned += 1
         rig.queue.before_moves()
-        rig.job.mark(len(rig.machine.heaters), (self._era * _MARK + hz) * _MARK + ms)
+        rig.job.outputs.mark(len(rig.machine.heaters), (self._era * _MARK + hz) * _MARK + ms)
         rig.queue.after_moves()
 
     async def _room(self) -> None:

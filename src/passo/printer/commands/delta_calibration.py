@@ -85,7 +85,7 @@ class DeltaCommands:
         are too short, or if the nozzle would be outside its limits."""
         geometry = delta.geometry
         _check_rods(geometry)
-        if self._rig.job.suspended:
+        if self._rig.job.stops.suspended:
             raise CommandError.of("command.aside", value="This command")
         rounded = geometry.model_copy(
             update={

@@ -62,7 +62,7 @@ class KlipperCommands:
     def _become(self, lines: Iterable[str]) -> None:
         """Reads these lines next. They mean the built-in commands, also where a macro replaces
         one, because such a macro often calls the command that becomes these lines."""
-        self._job.insert("".join(f"{self._built_in(line)}\n" for line in lines).encode())
+        self._job.program.insert("".join(f"{self._built_in(line)}\n" for line in lines).encode())
 
     def _built_in(self, line: str) -> str:
         code, _, words = line.partition(" ")
@@ -86,9 +86,9 @@ class KlipperCommands:
         at = job.program_position
         name = command.pairs().get("NAME", _DEFAULT)
         self._saved[name] = _Saved(
-            modes=tuple(mode for mode in job.modes.split("\n") if not mode.startswith("T")),
-            speed_factor=job.speed_factor,
-            flows=tuple(job.flows),
+            modes=tuple(mode for mode in job.modes.gcode.split("\n") if not mode.startswith("T")),
+            speed_factor=job.limits.speed_factor,
+            flows=tuple(job.filament.flows),
             program_mm=(at[0], at[1], at[2]),
             filament_mm=at[-1],
         )
@@ -114,11 +114,11 @@ class KlipperCommands:
         lines = ["G21"]
         if job.program_position[-1] != saved.filament_mm and self._machine.extruders:
             lines.append(f"G92 E{numeral(saved.filament_mm)}")
-        if job.speed_factor != saved.speed_factor:
+        if job.limits.speed_factor != saved.speed_factor:
             lines.append(f"M220 S{numeral(100 * saved.speed_factor)}")
         for tool, part in enumerate(self._machine.all_tools):
             index = list(self._machine.extruders).index(part.extruder) if part.extruder else None
-            if index is not None and job.flows[index] != saved.flows[index]:
+            if index is not None and job.filament.flows[index] != saved.flows[index]:
                 lines.append(f"M221 T{tool} S{numeral(100 * saved.flows[index])}")
         if number(words, "MOVE", 0.0):
             at = zip("XYZ", saved.program_mm, strict=True)
@@ -133,10 +133,10 @@ class KlipperCommands:
         job = self._job
         for slot, (name, mm) in enumerate(steps.items()):
             self._babysteps_mm[name] += mm
-            job.keep_offset(slot, mm)
+            job.modes.keep_offset(slot, mm)
             homed = slot not in job.locked_axes
-            if mm and homed and not job.shift(slot, mm):
-                job.shift_zero(slot, mm)  # at a limit, where the next move may lead away
+            if mm and homed and not job.plan.shift(slot, mm):
+                job.modes.shift_zero(slot, mm)  # at a limit, where the next move may lead away
 
     # -- heaters, fans, tools ---------------------------------------------------------------------
 

@@ -97,8 +97,8 @@ class Limits:
             e = letter == "E"
             name = extruder_of(self._machine, words, self._job.tool) if e else letter.lower()
             if name is not None:
-                self._job.set_axis_limit(name, what, value, live)
-                taken, unit = self._job.axis_limit(name, what), _LEAST[what][1]
+                self._job.limits.set_of_axis(name, what, value, live)
+                taken, unit = self._job.limits.of_axis(name, what), _LEAST[what][1]
                 if taken < value * (1 - _ROUNDING):
                     above = f"{letter} {value:g} {unit} is above the machine's limit"
                     notes.append(f"{code}: {above}, {taken:g} {unit} is applied")
@@ -107,8 +107,10 @@ class Limits:
     def axis_lines(self, code: str, what: str) -> list[str]:
         """M201 ("accel"), M203 ("speed") or M205 ("jerk") with the current values."""
         job = self._job
-        words = [f"{a.upper()}{numeral(job.axis_limit(a, what))}" for a in self._axes]
-        return with_extruders(self._machine, code, words, lambda name: job.axis_limit(name, what))
+        words = [f"{a.upper()}{numeral(job.limits.of_axis(a, what))}" for a in self._axes]
+        return with_extruders(
+            self._machine, code, words, lambda name: job.limits.of_axis(name, what)
+        )
 
     # -- path -------------------------------------------------------------------------------------
 
@@ -137,7 +139,7 @@ class Limits:
         ):
             if letter in words:
                 for name in names:
-                    self._job.set_limit(name, words[letter], self._plan.live(reply))
+                    self._job.limits.set(name, words[letter], self._plan.live(reply))
         notes: list[str] = []
         for letter in "SPTVR":
             axes = self._machine.extruders if letter == "R" else ("x", "y")
@@ -146,7 +148,7 @@ class Limits:
 
     def acceleration_line(self) -> str:
         """M204 with the current values."""
-        p, r, t = (self._job.limit(f"{k}_accel") for k in ("print", "retract", "travel"))
+        p, r, t = (self._job.limits.value(f"{k}_accel") for k in ("print", "retract", "travel"))
         return f"M204 P{numeral(p)} R{numeral(r)} T{numeral(t)}"
 
     def _bounded(self, code: str, word: str, value: float, what: str, names: Iterable[str]) -> str:
@@ -156,7 +158,7 @@ class Limits:
         own = {n: parts[n].accel_mm_s2 if what == "accel" else parts[n].speed_mm_s for n in names}
         if value >= LARGEST or not any(limit < value for limit in own.values()):
             return ""
-        applied = ", ".join(f"{n.upper()} {self._job.axis_limit(n, what):g}" for n in own)
+        applied = ", ".join(f"{n.upper()} {self._job.limits.of_axis(n, what):g}" for n in own)
         bounds = "M201" if what == "accel" else "M203"
         return f"{code}: {word} {value:g} is above the limits of {bounds}, which apply: {applied}"
 
@@ -183,7 +185,7 @@ class Limits:
         if deviation is not None and not _DEVIATION[0] <= deviation <= _DEVIATION[1]:
             raise CommandError.bad_value("J", deviation, "{:g} to {:g} mm".format(*_DEVIATION))
         if law == "deviation" and deviation is not None:
-            self._job.set_limit("junction_deviation", deviation, live)
+            self._job.limits.set("junction_deviation", deviation, live)
         above = self._axis_limits("M205", jerk, "jerk", live=live) if law == "jerk" else []
         acts = {"deviation": {"J"}, "jerk": jerk.keys()}.get(law, set[str]())
         # Without a limit, as after S0, any speed and any segment is allowed.
@@ -198,7 +200,7 @@ class Limits:
             return self.axis_lines("M205", "jerk")
         if law == "square_corner":
             return []
-        return [f"M205 J{numeral(self._job.limit('junction_deviation'))}"]
+        return [f"M205 J{numeral(self._job.limits.value('junction_deviation'))}"]
 
     # -- Klipper ----------------------------------------------------------------------------------
 
@@ -222,19 +224,19 @@ class Limits:
             raise CommandError.bad_value("MINIMUM_CRUISE_RATIO", ratio, "0 to less than 1")
         job, live = self._job, self._plan.live(reply)
         if "VELOCITY" in values:
-            job.set_limit("speed", values["VELOCITY"], live)
+            job.limits.set("speed", values["VELOCITY"], live)
         if "ACCEL" in values:
-            job.set_limit("print_accel", values["ACCEL"], live)
-            job.set_limit("travel_accel", values["ACCEL"], live)
+            job.limits.set("print_accel", values["ACCEL"], live)
+            job.limits.set("travel_accel", values["ACCEL"], live)
         if ratio is not None:
-            job.set_limit("minimum_cruise_ratio", ratio, live)
+            job.limits.set("minimum_cruise_ratio", ratio, live)
         law = self._machine.limits.junction
         if corner is not None and law == "deviation":
             low, high = _DEVIATION
-            deviation = min(max(deviation_mm(corner, job.limit("print_accel")), low), high)
-            job.set_limit("junction_deviation", deviation, live)
+            deviation = min(max(deviation_mm(corner, job.limits.value("print_accel")), low), high)
+            job.limits.set("junction_deviation", deviation, live)
         elif corner is not None and law == "square_corner":
-            job.set_limit("square_corner", max(corner, MIN_SPEED), live)
+            job.limits.set("square_corner", max(corner, MIN_SPEED), live)
         acts = {*_OF_VELOCITY_LIMIT, "MINIMUM_CRUISE_RATIO"}
         if law in ("deviation", "square_corner"):
             acts.add(_KLIPPERS_CORNER)
@@ -250,12 +252,12 @@ class Limits:
     def velocity_line(self) -> str:
         """SET_VELOCITY_LIMIT with the settings that no other command has; 1e9 mm/s means no
         limit."""
-        speed, ratio = (self._job.limit(k) for k in ("speed", "minimum_cruise_ratio"))
+        speed, ratio = (self._job.limits.value(k) for k in ("speed", "minimum_cruise_ratio"))
         speed, ratio = numeral(min(speed, LARGEST)), numeral(ratio)
         line = f"SET_VELOCITY_LIMIT VELOCITY={speed} MINIMUM_CRUISE_RATIO={ratio}"
         if self._machine.limits.junction != "square_corner":
             return line
-        return f"{line} {_KLIPPERS_CORNER}={numeral(self._job.limit('square_corner'))}"
+        return f"{line} {_KLIPPERS_CORNER}={numeral(self._job.limits.value('square_corner'))}"
 
 
 def _values(command: Command) -> dict[str, float]:

@@ -139,7 +139,7 @@ class MotionFilters:
                 shapes = new.frequency_hz > 0
                 found = impulses(new.kind, new.frequency_hz, new.damping) if shapes else []
                 numbers = [number for impulse in found for number in impulse]
-                self._job.set_filter("shapers", _AXES.index(axis), numbers)
+                self._job.filters.set("shapers", _AXES.index(axis), numbers)
 
         return WaitForMoves(apply)
 
@@ -177,7 +177,7 @@ class MotionFilters:
             limits = f"0 (no limit), or {least:.0f} to {MAX_JERK:g} mm/s³"
             _within("JERK", jerk, least, MAX_JERK, limits)
         self.jerk_mm_s3 = jerk
-        return WaitForMoves(lambda: self._job.set_filter("box_s", 0, [self.box_s]))
+        return WaitForMoves(lambda: self._job.filters.set("box_s", 0, [self.box_s]))
 
     def jerk_line(self) -> str:
         """SET_JERK_LIMIT with the current value."""
@@ -202,7 +202,7 @@ class MotionFilters:
         extruder = self._extruder(extruder_of(self._machine, words, self._job.tool))
         if "K" not in words:
             if extruder is not None:
-                reply.say(f"Advance K={self._job.pressure_advance(extruder):g}")
+                reply.say(f"Advance K={self._job.filters.advance(extruder):g}")
                 self._say_knees(extruder, reply)
             return None
         # a slicer may send the K of Linear Advance 1.0 as well as that of 1.5
@@ -225,7 +225,7 @@ class MotionFilters:
         if drive not in range(len(self._extruders)):
             raise CommandError.bad_value("D", drive, f"an extruder below {len(self._extruders)}")
         if "S" not in words:
-            advance = self._job.pressure_advance(int(drive))
+            advance = self._job.filters.advance(int(drive))
             reply.say(f"Extruder {int(drive)} pressure advance: {advance:g} s")
             self._say_knees(int(drive), reply)
             return None
@@ -253,12 +253,12 @@ class MotionFilters:
         if smooth is not None:
             _within("SMOOTH_TIME", smooth, 0.0, MAX_SMOOTH_S, _SMOOTH_TIMES)
         if advance is None and smooth is None:
-            reply.say(f"pressure_advance: {self._job.pressure_advance(extruder):.6f}")
+            reply.say(f"pressure_advance: {self._job.filters.advance(extruder):.6f}")
             reply.say(f"pressure_advance_smooth_time: {self.smooth_s[extruder]:.6f}")
             self._say_knees(extruder, reply)
             return None
         if advance is None:
-            advance = self._job.pressure_advance(extruder)
+            advance = self._job.filters.advance(extruder)
         if smooth is not None:
             self._note_cost(extruder, advance, smooth, reply)
             smooth = max(smooth, MIN_SMOOTH_S)
@@ -289,7 +289,7 @@ class MotionFilters:
         return mm
 
     def _say_knees(self, extruder: int, reply: Reply) -> None:
-        for speed, value in self.knees(extruder, self._job.pressure_advance(extruder)):
+        for speed, value in self.knees(extruder, self._job.filters.advance(extruder)):
             reply.say(f"above {speed:g} mm/s of filament: {value:g} s")
 
     def _set_advance(
@@ -301,13 +301,13 @@ class MotionFilters:
         other = smooth != self.smooth_s[extruder]
         self.smooth_s[extruder] = smooth
         if not (other if self._smooths[extruder] else advance > 0):
-            self._job.set_advance(extruder, advance)
+            self._job.filters.set_advance(extruder, advance)
             return None
         self._smooths[extruder] = True
 
         def apply() -> None:
-            self._job.set_filter("smooth_s", extruder, [smooth / 2])
-            self._job.set_advance(extruder, advance)
+            self._job.filters.set("smooth_s", extruder, [smooth / 2])
+            self._job.filters.set_advance(extruder, advance)
 
         return WaitForMoves(apply)
 
@@ -332,7 +332,7 @@ class MotionFilters:
         lines: list[str] = []
         for i, seconds in enumerate(self.smooth_s):
             named = f" EXTRUDER={_klipper_name(i)}" if several else ""
-            values = f"ADVANCE={numeral(self._job.pressure_advance(i))}"
+            values = f"ADVANCE={numeral(self._job.filters.advance(i))}"
             smooth = f"SMOOTH_TIME={numeral(seconds)}"
             lines.append(f"SET_PRESSURE_ADVANCE{named} {values} {smooth}")
         return lines
@@ -345,7 +345,7 @@ class MotionFilters:
     @property
     def delay_s(self) -> float:
         """The delay of all motors relative to the plan, s: a whole number of ticks."""
-        return self._job.filters_delay_s
+        return self._job.filters.delay_s
 
     def shaper_status(self) -> dict[str, ShaperStatus]:
         """The shapers by axis, in lower case."""
@@ -356,7 +356,7 @@ class MotionFilters:
 
     def advance_status(self) -> tuple[AdvanceStatus, ...]:
         """The advance of each extruder."""
-        advance = self._job.pressure_advance
+        advance = self._job.filters.advance
         return tuple(AdvanceStatus(advance(i), s) for i, s in enumerate(self.smooth_s))
 
     def lines(self) -> Iterator[str]:

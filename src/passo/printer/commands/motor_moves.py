@@ -136,11 +136,11 @@ class MotorMoves:
     def _set_position(self, command: Command, reply: Reply) -> Wait | None:
         job = self._rig.job
         places, lost = positions(command, self._machine, job)
-        if job.suspended or self._state.is_other_source(reply):
+        if job.stops.suspended or self._state.is_other_source(reply):
             self._require_no_print(command)
 
         def place() -> None:
-            job.set_axes(list(places.items()))
+            job.axes.set(list(places.items()))
             self._rig.lock(sorted(lost))
 
         return WaitForMoves(place)
@@ -311,7 +311,7 @@ class MotorMoves:
         if any(axis < 3 for axis in job.locked_axes):
             return None
         x, y, z = _xyz(job.machine_position)
-        return self._machine.geometry.inverse((x, y, job.nozzle_height(x, y, z)))
+        return self._machine.geometry.inverse((x, y, job.bed.nozzle_height(x, y, z)))
 
     # -- limits -----------------------------------------------------------------------------------
 
@@ -376,7 +376,7 @@ class MotorMoves:
         point = geometry.forward(joints)
         geometry.inverse(point)  # a delta's rods also meet where its nozzle must not go
         x, y, height = point
-        return x, y, self._rig.job.plan_z(x, y, height)
+        return x, y, self._rig.job.bed.plan_z(x, y, height)
 
     # -- moves ------------------------------------------------------------------------------------
 
@@ -430,21 +430,21 @@ class MotorMoves:
         joints = joints or geometry.inverse(self._machine.home_point)
         locked = [self._axes[axis] for axis in rig.job.locked_axes]
         rig.positions.freeze()
-        rig.job.use_joints(True)
-        rig.job.set_axes(list(enumerate(joints)))
+        rig.job.axes.use_joints(True)
+        rig.job.axes.set(list(enumerate(joints)))
         try:
             for factor in by:
                 await self._go(turn.joints, factor, speed, pause_s)
         finally:
             ended = _xyz(rig.job.machine_position)
-            rig.job.use_joints(False)
+            rig.job.axes.use_joints(False)
             place = _xyz(before)
             if known:
                 try:
                     place = self._point(ended)
                 except Unreachable:  # stopped beyond what the way back would allow
                     locked = [*self._machine.axes_of_arms]
-            rig.job.set_axes(list(enumerate(place)))
+            rig.job.axes.set(list(enumerate(place)))
             rig.positions.thaw()
             rig.lock(locked)
 

@@ -36,7 +36,7 @@ class Outputs:
         self._spindle = 0.0
         self._spindle_mode = ""  # M3: constant power, M4: power proportional to the speed, or off
         if machine.laser:
-            job.set_laser(*self._outputs["laser"])
+            job.outputs.set_laser(*self._outputs["laser"])
 
     def plan_forgotten(self) -> None:
         """Call this when the plan is discarded, and its output values with it."""
@@ -50,8 +50,8 @@ class Outputs:
         if at_once:
             stays = self._acts_at.get(output, -inf) <= self._plan.record_at_once(index, value)
         else:
-            self._acts_at[output] = self._job.clock + self._job.queued_ticks
-            self._job.record(index, value)
+            self._acts_at[output] = self._job.clock + self._job.plan.queued_ticks
+            self._job.outputs.record(index, value)
         if stays and output in self._machine.fans:
             self.fans[output] = share
 
@@ -106,7 +106,7 @@ class Outputs:
     def _laser(self) -> None:
         if self._machine.laser:
             share = max(0.0, self._spindle / self._machine.laser.full_scale)
-            self._job.follow_speed(share if self._spindle_mode == "M4" else 0.0)
+            self._job.outputs.follow_speed(share if self._spindle_mode == "M4" else 0.0)
             self.set_output("laser", share if self._spindle_mode == "M3" else 0.0)
 
     # -- fans -------------------------------------------------------------------------------------
@@ -166,7 +166,7 @@ class Outputs:
         numbers = [fans[name].number for name in self.commanded_fans]
         if number is not None and number not in numbers:
             limit = ", ".join(map(str, numbers)) or "no fan"
-            if self._job.macro_depth:
+            if self._job.program.macro_depth:
                 text = f"{command.code} P{number:g} does nothing here. The fans are {limit}."
                 reply.note(f"{command.code} P{number:g}", text)
                 return

@@ -50,11 +50,11 @@ class PlanAhead:
 
     def scale_flow(self, extruder: int, factor: float) -> None:
         """Scales later moves."""
-        self._job.set_flow(extruder, factor)
+        self._job.filament.set_flow(extruder, factor)
 
     def record_at_once(self, output: int, value: int) -> float:
         """Sets the output after the moves so far."""
-        self._job.record(output, value)
+        self._job.outputs.record(output, value)
         return inf
 
 

@@ -77,7 +77,7 @@ class ProbeMoveCommands:
         self, code: str, given: dict[str, float], speed_mm_s: float, reply: Reply
     ) -> None:
         job, axes = self._rig.job, self._rig.machine.axes
-        absolute, *_ = job.modal
+        absolute, *_ = job.modes.now
         target: dict[int, float] = {}
         for letter, mm in given.items():
             slot = _SLOTS[letter]

@@ -80,7 +80,7 @@ class ProbeOffsetCommands:
         if higher and self._measures_bed:
             self._corrections.raise_by(higher, faded=faded)
         elif higher and self._homes_z and Z not in self._rig.job.locked_axes:
-            self._rig.job.stand_at([(Z, self._rig.job.machine_position[Z] - higher)])
+            self._rig.job.axes.set_position([(Z, self._rig.job.machine_position[Z] - higher)])
         prober.offset_mm = words.get("X", dx), words.get("Y", dy)
         prober.trigger_height_mm = -words.get("Z", -prober.trigger_height_mm)
 
@@ -170,8 +170,8 @@ class ProbeOffsetCommands:
         # Where the correction has faded out, later layers need the babysteps too.
         self.set_offsets({"Z": -round(before - by, 6)}, faded=True)
         # Z of the machine has changed with the zero or the correction; that of the program stays.
-        job.absorb_shift(Z, z - job.machine_position[Z])
-        job.keep_offset(Z, self._offsets.absorbed("z"))
+        job.plan.absorb_shift(Z, z - job.machine_position[Z])
+        job.modes.keep_offset(Z, self._offsets.absorbed("z"))
         after = self._prober.trigger_height_mm
         reply.say(f"// z_offset: {before:.3f} -> {after:.3f}")
         held = "the zero of Z" if self._homes_z else "the correction of the bed"

@@ -155,7 +155,7 @@ class Commands:
                 self.set_points.tool_changed(command.number)
             # Moves of another tool may be planned again, so the correction of the bed waits for
             # them.
-            return WaitForMoves(self._job.follow_tool) if self._job.bed_is_apart else None
+            return WaitForMoves(self._job.bed.follow_tool) if self._job.bed.is_apart else None
         code = _key(command)
         command.check()
         command.check_values(in_file=reply is None)
@@ -286,7 +286,9 @@ class Commands:
 
     def _clamped(self) -> dict[str, tuple[int, int]]:
         geometry = self._machine.geometry
-        problems = [(problem(error, "", geometry), times) for error, times in self._job.clamped]
+        problems = [
+            (problem(error, "", geometry), times) for error, times in self._job.options.clamped
+        ]
         moved, left_out = "such targets were moved to the limit", "such moves were left out"
         return {
             f"{p.sentence}; {moved if p.code == 'input.out-of-range' else left_out}": (

@@ -99,7 +99,7 @@ class ProgramFlow:
         """Raises CommandError."""
         target = target_of(move, self._machine, self._job.machine_position)
         places = [target.get(slot, nan) for slot in range(SLOTS)]
-        if not self._job.move_to(places, move.speed_mm_s, _core.Within.LIMITS):
+        if not self._job.plan.move_to(places, move.speed_mm_s, _core.Within.LIMITS):
             raise not_made(name, problem_of(self._job, "", self._machine.geometry))
 
     @in_program("G92")
@@ -121,12 +121,12 @@ class ProgramFlow:
     def _placed(self, places: dict[int, float]) -> Wait:
         """Sets positions at standstill, because a plan in progress cannot be replanned with
         them."""
-        return WaitForMoves(lambda: self._job.set_axes(list(places.items())))
+        return WaitForMoves(lambda: self._job.axes.set(list(places.items())))
 
     @in_program("M290")
     def _babystep(self, command: Command, _: Reply) -> None:
         for axis, mm in babysteps(command):
-            if not self._job.shift(axis, mm):
+            if not self._job.plan.shift(axis, mm):
                 raise CommandError([problem_of(self._job, "", self._machine.geometry)])
             self.babysteps_mm["xyz"[axis]] += mm
 
@@ -215,4 +215,4 @@ class ProgramFlow:
         action = _core.ObjectAction
         for what, number, _name in _core.object_orders(command.code, command.text):
             if what in (action.CANCEL, action.RESTORE) and number >= 0:
-                self._job.cancel_object(number, what == action.CANCEL)
+                self._job.objects.cancel(number, what == action.CANCEL)

@@ -62,7 +62,7 @@ class Reports:
         )
         counts = " ".join(
             f"{row['name'].upper()}:{row['count']}"
-            for row in self._rig.job.steppers()
+            for row in self._rig.job.motors.statistics()
             if not row["name"].startswith("e")
         )
         return f"{text} E:{e:.4f} Count {counts}"

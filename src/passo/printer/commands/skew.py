@@ -41,7 +41,7 @@ class SkewCommands:
         """Sets the factors of these planes. Raises CommandError if a motor could exceed its
         limits."""
         machine, skew = self._rig.machine, list(self._geometry.skew)
-        if self._rig.job.suspended:
+        if self._rig.job.stops.suspended:
             raise CommandError.of("command.aside", value="This command")
         for plane, factor in factors.items():
             if not abs(factor) <= MAX_SKEW:

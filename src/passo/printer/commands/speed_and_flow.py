@@ -54,13 +54,13 @@ class SpeedAndFlow:
             factor = min(max(percent, low), high) / 100
             note = beyond("M220", percent, _SPEED, "%")
         if "B" in letters:
-            self.kept = self._job.speed_factor
+            self.kept = self._job.limits.speed_factor
         if factor is not None:
-            self._job.set_speed_factor(factor, live)
+            self._job.limits.set_speed_factor(factor, live)
             if live:
                 self._plan.replan()
         elif not command.text.strip():
-            reply.say(f"Speed factor override: {self._job.speed_factor * 100:g}")
+            reply.say(f"Speed factor override: {self._job.limits.speed_factor * 100:g}")
         if note:
             reply.note("M220", note, again=True)
 
@@ -92,7 +92,7 @@ class SpeedAndFlow:
             raise CommandError.bad_value("T", tool, "a tool with an extruder")
         extruder = list(self._machine.extruders).index(own)
         if "S" not in words:
-            reply.say(f"echo:E{int(tool)} Flow: {self._job.flows[extruder] * 100:g}%")
+            reply.say(f"echo:E{int(tool)} Flow: {self._job.filament.flows[extruder] * 100:g}%")
             return
         percent, (low, high) = words["S"], _FLOW
         if percent <= 0:
@@ -103,4 +103,4 @@ class SpeedAndFlow:
         if live:
             self._plan.scale_flow(extruder, factor)
         else:
-            self._job.set_flow(extruder, factor)
+            self._job.filament.set_flow(extruder, factor)

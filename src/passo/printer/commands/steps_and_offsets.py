@@ -52,7 +52,7 @@ class MotionCommands:
         """The numbers, in the core's order, of the motors that drive an actuator, axis or
         extruder."""
         wanted = self._machine.drivable.by_name.get(name or "")
-        rows = self._rig.job.steppers()
+        rows = self._rig.job.motors.statistics()
         driven_by = self._machine.driven_by
         return [i for i, r in enumerate(rows) if wanted and driven_by(r["name"]) == wanted]
 
@@ -93,7 +93,7 @@ class MotionCommands:
         places = self._places("z")
         if not places:
             raise CommandError.of("command.value", axis="M92", value="H, L", limit="a motor of Z")
-        row = self._rig.job.steppers()[places[0]]
+        row = self._rig.job.motors.statistics()[places[0]]
         microsteps = words.get("H", self._machine.steppers[row["name"]].microsteps)
         if not 1 <= microsteps <= 256:
             raise CommandError.bad_value("H", microsteps, "1 to 256 microsteps")
@@ -108,23 +108,25 @@ class MotionCommands:
 
     def require_scales(self, code: str) -> None:
         """Raises CommandError if a command must not change steps per mm now."""
-        if self._rig.job.suspended:
+        if self._rig.job.stops.suspended:
             raise CommandError.of("command.aside", value=code)
 
     def _rescale(self, changes: list[tuple[int, float]]) -> None:
         self.require_scales("M92")  # a pause may have begun in the meantime
         for i, value in changes:
-            self._rig.job.set_steps_per_unit(i, value)
+            self._rig.job.motors.set_steps_per_unit(i, value)
 
     def scale_of(self, name: str) -> float:
         """Steps per mm or degree of the first motor that drives an actuator, axis or extruder; 0 if
         it has no motor."""
-        rows = self._rig.job.steppers()
+        rows = self._rig.job.motors.statistics()
         return next((float(rows[i]["steps_per_unit"]) for i in self._places(name)), 0.0)
 
     def scale_lines(self) -> list[str]:
         """The scales as commands."""
-        driven = {self._machine.driven_by(row["name"]): None for row in self._rig.job.steppers()}
+        driven = {
+            self._machine.driven_by(row["name"]): None for row in self._rig.job.motors.statistics()
+        }
         names = {d: name for name, d in self._machine.drivable.by_name.items()}
         words = [
             f"{names[d].upper()}{numeral(self.scale_of(names[d]))}"
@@ -155,7 +157,7 @@ class MotionCommands:
         kind=Kind.MOTION,
     )
     def _automatic_retraction(self, _: Command, reply: Reply) -> None:
-        reply.say(f"M209 S{int(self._rig.job.auto_retract)}")
+        reply.say(f"M209 S{int(self._rig.job.modes.auto_retract)}")
 
     @command(
         "M603",
@@ -170,7 +172,7 @@ class MotionCommands:
 
     def filament_lines(self) -> Iterator[str]:
         """M200 for each tool: the diameter if its E is a volume, else that E is a length."""
-        diameters = self._rig.job.filament_diameters
+        diameters = self._rig.job.filament.diameters
         if diameters is None:
             yield "M200 S0"
             return
@@ -181,7 +183,7 @@ class MotionCommands:
 
     def change_lines(self) -> Iterator[str]:
         """M603 for each tool."""
-        lengths = self._rig.job.filament_changes
+        lengths = self._rig.job.filament.changes
         for tool, row in enumerate(self._machine.core_spec()["tools"]):
             extruder: int = row["extruder"]
             if extruder >= 0:
@@ -191,12 +193,12 @@ class MotionCommands:
     def retraction_lines(self) -> Iterator[str]:
         """M207 to M209 with the current values."""
         job = self._rig.job
-        mm, feed, hop, extra, back, swap, swap_extra = job.retraction
+        mm, feed, hop, extra, back, swap, swap_extra = job.modes.retraction
         into = {"S": mm, "F": feed * 60, "Z": hop, "R": extra, "W": swap}
         out = {"S": extra, "F": back * 60, "W": swap_extra}
         for code, words in (("M207", into), ("M208", out)):
             yield f"{code} {' '.join(k + numeral(value) for k, value in words.items())}"
-        yield f"M209 S{int(job.auto_retract)}"
+        yield f"M209 S{int(job.modes.auto_retract)}"
 
     # -- offsets ----------------------------------------------------------------------------------
 
@@ -272,12 +274,12 @@ class MotionCommands:
             for line in self.tool_offset_lines():
                 reply.say(line)
         for letter, value in axes.items():
-            self._rig.job.set_tool_offset(tool, "XYZ".index(letter), value)
-        return WaitForMoves(self._rig.job.follow_tool) if self._rig.job.bed_is_apart else None
+            self._rig.job.tools.set_offset(tool, "XYZ".index(letter), value)
+        return WaitForMoves(self._rig.job.bed.follow_tool) if self._rig.job.bed.is_apart else None
 
     def tool_offset(self, words: dict[str, float], active: int) -> tuple[int, dict[str, float]]:
         """The tool that M218 selects, and its offsets in X, Y, Z, mm. Raises CommandError."""
-        tools = len(self._rig.job.tool_offsets)
+        tools = len(self._rig.job.tools.offsets)
         tool = int(words.get("T", words.get("H", active)))
         if not 0 <= tool < tools:
             raise CommandError.bad_value("T", tool, f"a tool below {tools}")
@@ -285,7 +287,7 @@ class MotionCommands:
 
     def tool_offset_lines(self) -> Iterator[str]:
         """M218 for each tool."""
-        for tool, (x, y, z) in enumerate(self._rig.job.tool_offsets):
+        for tool, (x, y, z) in enumerate(self._rig.job.tools.offsets):
             yield f"M218 T{tool} X{numeral(x)} Y{numeral(y)} Z{numeral(z)}"
 
     @command(
@@ -313,7 +315,7 @@ class MotionCommands:
         if not self._rig.queue.shift(axis, mm):
             if not at_rest:
                 raise CommandError([self._rig.commands.problem()])
-            self._rig.job.shift_zero(axis, mm)
+            self._rig.job.modes.shift_zero(axis, mm)
         self.offsets.babysteps_mm["xyz"[axis]] += mm
 
     @command(
@@ -339,8 +341,8 @@ class MotionCommands:
         for slot, (name, mm) in enumerate(steps.items()):
             if mm and slot not in lost:
                 require_babystep("XYZ"[slot], mm)
-                self._shift(slot, mm, at_rest=self._rig.queue.idle and not job.suspended)
-            job.keep_offset(slot, offsets.keep(name, done_mm[name] + mm))
+                self._shift(slot, mm, at_rest=self._rig.queue.idle and not job.stops.suspended)
+            job.modes.keep_offset(slot, offsets.keep(name, done_mm[name] + mm))
 
     @in_program("M290", "SET_GCODE_OFFSET")
     def _babystep_in_place(self, command: Command, reply: Reply) -> Wait | None:
@@ -372,10 +374,10 @@ class MotionCommands:
         self.offsets.home_mm |= self.home_offsets({"Z": after})
         # Z of the program stays: what the babysteps have added is now counted from the endstop.
         job = self._rig.job
-        job.stand_at([(Z, job.machine_position[Z] - by)])
-        job.absorb_shift(Z, by)
+        job.axes.set_position([(Z, job.machine_position[Z] - by)])
+        job.plan.absorb_shift(Z, by)
         self._homer.offset_mm["z"] = after
-        job.keep_offset(Z, self.offsets.absorbed("z"))
+        job.modes.keep_offset(Z, self.offsets.absorbed("z"))
         reply.say(f"// M206 Z: {before:.3f} -> {after:.3f}. M500 or SAVE_CONFIG stores it")
 
 

@@ -94,10 +94,10 @@ class TuningTower:
         self._tower = tower_of(pairs) if pairs else None
         self._last_mm = -inf
         if self._tower is None:
-            self._job.watch_height(-inf, inf)
+            self._job.program.watch_height(-inf, inf)
             reply.say("Ending tuning test")
             return
-        self._job.watch_height(inf, inf)
+        self._job.program.watch_height(inf, inf)
         given = ("START", "FACTOR", "BAND", "STEP_DELTA", "STEP_HEIGHT", "SKIP")
         values = [f"{key.lower()}={float(pairs[key]):.6f}" for key in given if key in pairs]
         reply.say(f"Starting tuning test ({' '.join(values)})")
@@ -112,7 +112,7 @@ class TuningTower:
             return
         self._last_mm = z_mm
         self.due = self._tower.line(line, z_mm)
-        self._job.watch_height(z_mm - _SAME_MM, self._tower.up_to(z_mm))
+        self._job.program.watch_height(z_mm - _SAME_MM, self._tower.up_to(z_mm))
 
 
 def tower_of(pairs: dict[str, str]) -> Tower:

@@ -184,7 +184,7 @@ class ZMotorCommands:
         try:
             with self._correction.suspended(), self._triggered.prepared():
                 await self._motors.move("z", by_mm, self._prober.probe.lift_mm_s)
-                rig.job.set_axes([(Z, rig.job.machine_position[Z] + mean)])
+                rig.job.axes.set([(Z, rig.job.machine_position[Z] + mean)])
         except BaseException:
             rig.lock(["z"])
             raise
@@ -198,7 +198,7 @@ class ZMotorCommands:
         if correction.on:
             correction.use(correction.correction, on=False)
             reply.say("The correction of the bed is off: measure it again (G29 or G32)")
-        rig.job.set_axes([(Z, rig.job.machine_position[Z] - mean_mm)])
+        rig.job.axes.set([(Z, rig.job.machine_position[Z] - mean_mm)])
         if self._endstops is not None:
             found = self._endstops.offsets
             self._endstops.use({name: found[name] + mm - mean_mm for name, mm in moved.items()})

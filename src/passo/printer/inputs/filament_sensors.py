@@ -82,7 +82,7 @@ class FilamentSensors:
         if wanted is None and sensor.moves:
             wanted = self._extruders[0]
         return sum(
-            job.filament_at(now, i)
+            job.history.filament_at(now, i)
             for i, name in enumerate(self._extruders)
             if wanted in (None, name)
         )
@@ -133,7 +133,7 @@ class FilamentSensors:
         wanted = sensor.config.extruder
         if wanted is None and not sensor.moves:
             return True
-        tool = self._rig.job.tool_at(self._rig.queue.passed)
+        tool = self._rig.job.history.tool_at(self._rig.queue.passed)
         part = self._rig.machine.all_tools[self._rig.job.tool if tool is None else tool]
         return part.extruder == (self._extruders[0] if wanted is None else wanted)
 

@@ -50,7 +50,7 @@ class Reconnection:
         and resumes the suspended plan as soon as the heaters are warm again. Raises `lost` if the
         printer is halted in the meantime, PlaceLostError if a board's position cannot be verified,
         and MachineError if one has shut down."""
-        held = self.rig.job.holds
+        held = self.rig.job.stops.holds
         self.rig.queue.interrupted = True
         attempt = _Attempt(self)
         plug = ": plug it in again, or give up with M112" if attempt.silent else ""
@@ -180,11 +180,11 @@ class _Attempt:
             return {}
         following = others.pop()
         if self._apart is None or self._apart[:2] != (serial, following):
-            steps = job.between_stops(serial, following)
+            steps = job.commits.between_stops(serial, following)
             if steps is None or others:
                 raise PlaceLostError.of("machine.place-unknown")
             self._apart = serial, following, steps
-        names = (row["name"] for row in job.steppers())
+        names = (row["name"] for row in job.motors.statistics())
         return dict(zip(names, self._apart[2], strict=True))
 
     def _prove(self, ahead: dict[Connection, dict[str, int]]) -> None:
@@ -193,7 +193,7 @@ class _Attempt:
         for connection in self._connections:
             with self._silence_of(connection):
                 found |= self._rig.positions.counts(connection)
-        for row in self._rig.job.steppers():
+        for row in self._rig.job.motors.statistics():
             name = row["name"]
             connection = self._rig.connection.connection_of("steppers", name)
             wanted = row["count"] + ahead.get(connection, {}).get(name, 0)

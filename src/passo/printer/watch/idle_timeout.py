@@ -41,7 +41,7 @@ class IdleWatch:
         rig, waits = self._rig, self._waits
         idle_s, config = rig.queue.idle_s, rig.machine.idle
         heaters = rig.connection.heaters
-        waits_for_user = (rig.job.suspended or waits.person) and not waits.heating
+        waits_for_user = (rig.job.stops.suspended or waits.person) and not waits.heating
         if waits_for_user and 0 < config.heaters_off_s < idle_s:
             self._cool_hotends()
         if self._state.busy() or self._motion_lock.locked:

@@ -38,7 +38,7 @@ class LateCommandWatch:
         """Handles the slack reports since the last call; reports the least slack of the last ten
         seconds."""
         rig = self._rig
-        rig.job.line_at(rig.queue.passed)  # past lines are dropped
+        rig.job.history.line_at(rig.queue.passed)  # past lines are dropped
         self.look()
         now = rig.connection.now
         if self._pending is not None and now >= self._next_word:
@@ -78,6 +78,6 @@ class LateCommandWatch:
     def _problem(self, connection: Connection, slack: _core.Slack) -> Problem:
         rig, file = self._rig, self._state.printed_file
         clock = connection.main_clock(slack.clock) - rig.queue.base
-        line = rig.job.line_near(clock) if file else 0
+        line = rig.job.history.line_near(clock) if file else 0
         again = sum(c.link.retransmitted_bytes for c in rig.connection.connections)
         return problem_of(connection, slack, again, file, line or None)
