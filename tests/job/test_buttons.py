@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from tests.support.filament_printer import printing, turns, with_inputs
-from tests.support.scenario import Scenario
+from tests.support.scenario import Host, Scenario
 
 from passo.job.live.job_state import JobState
 
@@ -81,3 +81,34 @@ def test_debounce_ignores_short_presses():
         s.host.silent(2, "^on$")
         s.board.force_input("button-lamp", True)
         s.host.expect("^on$", 1)
+
+
+def test_m226_waits_for_a_button_until_m108():
+    keys = '[buttons.{}]\npin = "{}"\n'
+    machine = with_inputs(keys.format("one", "D36") + keys.format("two", "D40"))
+    with Scenario(machine) as s:
+        s.passes(1)
+        s.host.send("M226 P1", "M118 pressed", "M226 P1 S0", "M118 released", "M226 P0 S-1")
+        s.host.silent(5, "pressed")
+        s.board.force_input("button-two", True)
+        s.host.expect("^pressed$", 1)
+        s.host.silent(5, "released")
+        s.board.force_input("button-two", False)
+        s.host.expect("^released$", 1)
+        s.host.silent(5, "^ok")
+        Host(s).send("M108")
+        s.passes(1)
+        assert s.host.heard.count("ok") == 5
+        assert "P" in s.host.ok("M226 P2")[0]
+
+
+def test_m43_reports_inputs_and_watches_them():
+    with Scenario(with_inputs(DOOR.format("none"))) as s:
+        s.passes(1)
+        assert s.host.ok("M43")[0] == "echo:button-door on pin !^D36: not active"
+        s.host.ok("M43 W1")
+        s.board.force_input("button-door", True)
+        s.host.expect("^echo:button-door on pin !\\^D36: active$", 1)
+        s.host.ok("M43 W0")
+        s.board.force_input("button-door", False)
+        s.host.silent(1, "button-door")

@@ -19,6 +19,7 @@ from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
 if TYPE_CHECKING:
     from passo.job.live.host_pause import HostPause
     from passo.printer.control import Control
+    from passo.printer.inputs.buttons import Buttons
 
 
 class JobCommands:
@@ -30,9 +31,10 @@ class JobCommands:
         host_pause: HostPause,
         runner: Runner,
         progress: Progress,
+        buttons: Buttons,
     ) -> None:
         self._control, self._runner, self._progress = control, runner, progress
-        self._host_pause = host_pause
+        self._host_pause, self._buttons = host_pause, buttons
         control.state.go_on_listeners.append(self._end_asking)
         runner.watchers.append(self._job_changed)
 
@@ -222,6 +224,37 @@ class JobCommands:
     def _pause(self, _: Command, reply: Reply) -> Wait | None:
         by_file = self._runner.printing_from(reply)
         return self._stand_by("Paused; continue with M108", {}, reply, by_file=by_file)
+
+    @command(
+        "M226",
+        Subject.STOPS,
+        When.EXCLUSIVE,
+        "P S",
+        "Waits until button P, counted from 0 in the machine file, is pressed (S1, the default) or"
+        " released (S0), or has the other state (S-1); M108 ends the wait. Without P it pauses, as"
+        " M601.",
+        kind=Kind.USER,
+    )
+    def _wait_for_button(self, command: Command, reply: Reply) -> Wait | None:
+        words, names = command.words(), list(self._control.machine.buttons)
+        if "P" not in words:
+            return self._pause(command, reply)
+        if words["P"] not in range(len(names)):
+            none = "a button of the machine file: it has none"
+            limit = f"0 to {len(names) - 1}" if names else none
+            raise CommandError.bad_value("P", words["P"], limit)
+        name = names[int(words["P"])]
+
+        async def wait() -> None:
+            pressed, state = self._buttons.pressed, self._control.state
+            wanted = words.get("S", 1) > 0 if words.get("S", 1) >= 0 else not pressed.get(name)
+            reply.say(f"echo:busy: waits for button {name}")
+            await self._control.rig.queue.until(
+                lambda: state.interrupted or pressed.get(name, False) == wanted, idly=True
+            )
+            state.raise_if_halted()
+
+        return WaitForProcedure(wait)
 
     def _stand_by(
         self, text: str, words: Mapping[str, float], reply: Reply, *, by_file: bool = False

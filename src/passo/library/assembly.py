@@ -129,6 +129,7 @@ def _furnish(
     live = printer.rig, printer.state, printer.lifetime
     answers = Reports(
         *(printer.control, printer.motion, printer.driver_commands, printer.lateness),
+        printer.inputs.filament,
         card=card is not None,
         settings=folder is not None,
     )
@@ -141,7 +142,7 @@ def _furnish(
     statistics = Statistics(*live, printer.suspension, printer.lateness, folder)
     progress = Progress(*live, printer.suspension, runner, statistics, library.reader)
     pause = HostPause(printer.control, printer.suspension, printer.heat)
-    jobs = JobCommands(printer.control, pause, runner, progress)
+    jobs = JobCommands(printer.control, pause, runner, progress, printer.inputs.buttons)
     background = BackgroundGcode(printer.control, printer.lifetime)
     filament, buttons = printer.inputs.filament, printer.inputs.buttons
     by_event = PrintPause(printer.control, runner, pause, background)

@@ -53,7 +53,7 @@ from passo.printer.commands import (
     user_prompts,
     z_motors,
 )
-from passo.printer.inputs import filament_sensors
+from passo.printer.inputs import filament_sensors, input_commands
 from passo.printer.watch import endstops
 
 MODULES = (
@@ -89,5 +89,5 @@ MODULES = (
         tuning_tower,
     ),
     user_prompts,
-    *(endstops, delayed_gcode, filament_sensors, macros),
+    *(endstops, delayed_gcode, filament_sensors, input_commands, macros),
 )

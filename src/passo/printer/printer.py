@@ -90,7 +90,7 @@ class Printer:
         self.heat = heat = build_heat(rig, state, outputs.targets)
         area = printed_area or (lambda: covered(objects_of(rig.job)))
         self.levelling = build_levelling(rig, motion, meshes or MeshStore(), area)
-        self.inputs = inputs = build_inputs(rig)
+        self.inputs = inputs = build_inputs(rig, state)
         self.suspension = Suspension(rig, motion.offsets, outputs.laser)
         self.endstops = EndstopWatch(rig, state, motion.triggered, stops.stop_by_endstop)
         motion.triggered.starts.append(self.endstops.pause)

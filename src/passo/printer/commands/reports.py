@@ -16,6 +16,7 @@ from passo.version import __version__
 if TYPE_CHECKING:
     from passo.printer.commands.drivers import DriverCommands
     from passo.printer.control import Control
+    from passo.printer.inputs.filament_sensors import FilamentSensors
     from passo.printer.setup.motion import Motion
     from passo.printer.watch.late_commands import LateCommandWatch
 
@@ -44,12 +45,13 @@ class Reports:
         motion: Motion,
         drivers: DriverCommands,
         lateness: LateCommandWatch,
+        filament: FilamentSensors,
         *,
         card: bool = False,
         settings: bool = False,
     ) -> None:
         self._control, self._rig, self._motion = control, control.rig, motion
-        self._drivers, self._lateness = drivers, lateness
+        self._drivers, self._lateness, self._filament = drivers, lateness, filament
         self._card, self._settings = card, settings
         self._letters = [name.upper() for name in axis_order(control.machine.axes)]
 
@@ -106,7 +108,7 @@ class Reports:
         Subject.MOTORS,
         When.IMMEDIATE,
         "",
-        "Reports which endstops are triggered.",
+        "Reports which endstops are triggered, and which sensors detect filament.",
         kind=Kind.QUIET,
     )
     def _switches(self, _: Command, reply: Reply) -> Wait | None:
@@ -119,6 +121,8 @@ class Reports:
         if isinstance(machine.probe, SensingProbe):
             triggered = self._motion.prober.triggered()
             reply.say(f"z_probe: {'TRIGGERED' if triggered else 'open'}")
+        for name, sensor in self._filament.status().items():
+            reply.say(f"filament {name}: {'TRIGGERED' if sensor.detected else 'open'}")
         return None
 
     @command(

@@ -26,6 +26,17 @@ class Inputs:
         self._rig = rig
         self._levels: dict[str, _Level] = {}
         self._edges: dict[str, Callable[[int], None]] = {}
+        # called with each change that a board reports: the input, and whether it is active now
+        self.watchers: list[Callable[[str, bool], None]] = []
+
+    @property
+    def active(self) -> dict[str, bool]:
+        """Whether each input is active, as far as its board has reported it."""
+        return {
+            name: level
+            for connection in self._rig.connection.connections
+            for name, level in connection.inputs.levels.items()
+        }
 
     def on_level(self, name: str, debounce_s: float, call: Callable[[bool, bool], None]) -> None:
         """Calls `call` with each new level of an input that stays for `debounce_s`, and whether it
@@ -43,6 +54,8 @@ class Inputs:
         connection = self._rig.connection
         now_s = connection.now / connection.board.clock_hz
         for change in connection.input_changes():
+            for watcher in self.watchers:
+                watcher(change.name, change.levels[-1])
             if change.name in self._edges and not change.first:
                 self._edges[change.name](len(change.levels))
             elif (level := self._levels.get(change.name)) is not None:

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 
 from passo.printer.inputs.buttons import Buttons
 from passo.printer.inputs.filament_sensors import FilamentSensors
+from passo.printer.inputs.input_commands import InputCommands
 from passo.printer.inputs.inputs import Inputs
 from passo.printer.live_rig import LiveRig
+from passo.printer.state import State
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,9 +27,11 @@ class InputParts:
         self.filament.time_passed()
 
 
-def build_inputs(rig: LiveRig) -> InputParts:
+def build_inputs(rig: LiveRig, state: State) -> InputParts:
     """Builds the inputs of a connected machine."""
     inputs = Inputs(rig)
     filament, buttons = FilamentSensors(rig, inputs), Buttons(rig.machine, inputs)
     handlers: list[object] = [filament] if rig.machine.filament_sensors else []
+    if rig.machine.input_pins:
+        handlers.append(InputCommands(rig, state, inputs))
     return InputParts(inputs, filament, buttons, handlers)
