@@ -9,8 +9,8 @@ import pytest
 from tests.support.scenario import Scenario
 
 import passo
-from passo import command_modules
 from passo.gcode.registry import Declaration, Kind, Subject, When, declare, row_of, table
+from passo.library import command_modules
 
 
 @pytest.fixture(scope="module")
