@@ -180,7 +180,9 @@ class Disturbances(RuleBasedStateMachine):
             self.step(0.0, "M24")
         assert self.s.until(lambda: DONE in self.s.host.heard, 900), self.s.host.heard
         self.step(0.0, "M400")
-        per_mm = {row["name"]: row["steps_per_unit"] for row in self.s.printer.rig.job.motors.statistics()}
+        per_mm = {
+            row["name"]: row["steps_per_unit"] for row in self.s.printer.rig.job.motors.statistics()
+        }
         for name, net in steps(self.s).items():
             shifted = round(self.shifted.get(name, 0.0) * per_mm[name])
             assert net == self.wanted[name] + shifted, name
