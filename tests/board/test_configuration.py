@@ -52,7 +52,7 @@ def test_the_configuration_names_every_part_once():
 
 
 def test_an_output_that_rests_on_is_configured_so():
-    board = replace(BOARD, outputs=(*BOARD.outputs, Output("lamp", "PA0", default_on=True)))
+    board = replace(BOARD, outputs=(*BOARD.outputs, Output("lamp", "PA0", start=1.0, at_halt=1.0)))
     dictionary = Dictionary.parse(compressed_dictionary(board))
     lines = commands(board, dictionary)
     assert "config_digital_out oid=5 pin=PA0 value=1 default_value=1 max_duration=0" in lines

@@ -236,7 +236,7 @@ gcode:
   {% set current = printer.configfile.settings["tmc5160 stepper_x"].run_current %}
   SET_FAN_SPEED FAN=both SPEED=1
 [output_pin lock]
-pin: PC9
+pin: sx1509_duex:PIN_7
 value: 1
 [motors_sync]
 axes: x,y
@@ -259,7 +259,7 @@ on_error_gcode: CANCEL
 def test_parts_that_macros_name_are_kept_for_them(load) -> None:
     draft, machine = load(more=READERS)
     assert {name: dict(options) for name, options in machine.klipper.items()} == {
-        "output_pin lock": {"pin": "PC9", "value": "1"},
+        "output_pin lock": {"pin": "sx1509_duex:PIN_7", "value": "1"},
         "motors_sync": {"axes": "x,y"},
         "tmc5160 stepper_x": {"cs_pin": "PC9", "spi_bus": "spi1", "run_current": "0.8"},
         "fan_generic both": {"pin": "multi_pin:both"},
@@ -268,5 +268,5 @@ def test_parts_that_macros_name_are_kept_for_them(load) -> None:
         **{name: machine.klipper[name] for name in ("extruder",)},
     }
     dropped = "\n".join(remarks(draft, "dropped"))
-    assert "of output_pin lock macros read the value that SET_PIN has given it" in dropped
+    assert "sx1509_duex:PIN_7 is a pin of sx1509_duex, which is not a board" in dropped
     assert "of motors_sync macros read its settings and no state" in dropped

@@ -482,3 +482,12 @@ def test_klipper_board_may_exceed_its_compare_units() -> None:
     text = text.replace("[extruders.e]", f"{motor}[extruders.e]")
     assert any("at most 4 motors on one ATmega1284P" in p for p in problems_of(text))
     config.load_text(text.replace("[board]", '[board]\nfirmware = "klipper"'))
+
+
+@pytest.mark.parametrize("name", ["prusa-mk3s", "voron-0", "voron-2-4"])
+def test_fan_with_the_name_of_a_heater_has_an_output_of_its_own(name):
+    machine = config.load(name)
+    heater, fan = machine.heaters["hotend"], machine.fans["hotend"]
+    outputs = {o.name: o.pin for o in board_description(machine).outputs}
+    assert outputs["hotend"] == machine.pin(heater.pin)
+    assert outputs["hotend-fan"] == machine.pin(fan.pin)

@@ -15,7 +15,7 @@ from passo.config.sensors import (
     Thermistor,
     ThermocoupleAmplifier,
 )
-from passo.printer.setup.boards import sensor_of
+from passo.printer.setup.sensors import sensor_of
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ from passo.board.faults import BoardAloneError, HeaterFault
 from passo.board.inputs import InputChange
 from passo.board.ports import LinkLostError
 from passo.board.reading import Reading
+from passo.board.shown_sensors import Broken
 from passo.errors import MachineError
 
 # How long the host measures the clocks of several boards: `SETTLING_S`, plus `_SETTLING_PER_JITTER`
@@ -220,6 +221,12 @@ class Boards:
     def reading(self, heater: str, now: int) -> Reading:
         """Like `Connection.reading`."""
         return self.connection_of("heaters", heater).reading(heater, now)
+
+    def sensor(self, name: str, now: int) -> tuple[Reading, Broken]:
+        """Like `Connection.sensor`. A sensor that its board cannot read has no reading."""
+        with suppress(KeyError):
+            return self.connection_of("sensors", name).sensor(name, now)
+        return Reading(None), ""
 
     def set_target(self, heater: str, celsius: float) -> None:
         """Like `Connection.set_target`."""

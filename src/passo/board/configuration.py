@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Hashable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 from passo import _core
@@ -22,6 +22,7 @@ from passo.board.description import (
 )
 from passo.board.dictionary import Dictionary
 from passo.board.inputs import RETRANSMIT_COUNT, SAMPLE_S, groups_of, inversion
+from passo.config.chip_sensors import chip_sensor_table
 
 _Key = TypeVar("_Key", bound=Hashable)
 
@@ -85,6 +86,25 @@ def full_scale(output: Output, dictionary: Dictionary) -> int:
     if output.kind == "pwm":
         return dictionary.number("PWM_MAX", 255)
     return max(output.cycle_ticks, 1)
+
+
+def on_wire(output: Output, share: float, full: int) -> int:
+    """The value that a board receives for a fraction of fully on, whose value is `full`."""
+    value = round(share * full)
+    return full - value if inverted(output.pin) else value
+
+
+def sensors_known_to(board: BoardDescription, dictionary: Dictionary) -> BoardDescription:
+    """The board without a sensor of its chip that its firmware cannot read, or with that of the
+    chip that the firmware names."""
+    pins = dictionary.enumerations.get("pin", {})
+    table = chip_sensor_table(str(dictionary.constants.get("MCU", "")))
+    read = [
+        replace(s, table=table) if s.of_chip and table else s
+        for s in board.sensors
+        if not s.of_chip or (bare(s.pin) in pins and table)
+    ]
+    return replace(board, sensors=tuple(read)) if any(s.of_chip for s in board.sensors) else board
 
 
 def commands(board: BoardDescription, dictionary: Dictionary) -> list[str]:
@@ -186,16 +206,16 @@ def _i2c_device(pins: I2cPins, oid: int, clock_hz: int, dictionary: Dictionary) 
 
 
 def _output(output: Output, oid: int, full: int) -> list[str]:
-    on = int(output.default_on != inverted(output.pin))
+    start, at_halt = (on_wire(output, share, full) for share in (output.start, output.at_halt))
     if output.kind == "pwm":
         return [
             f"config_pwm_out oid={oid} pin={bare(output.pin)} cycle_ticks={output.cycle_ticks}"
-            f" value={on * full} default_value={on * full}"
+            f" value={start} default_value={at_halt}"
             f" max_duration={output.max_duration_ticks}"
         ]
     lines = [
-        f"config_digital_out oid={oid} pin={bare(output.pin)} value={on} default_value={on}"
-        f" max_duration={output.max_duration_ticks}"
+        f"config_digital_out oid={oid} pin={bare(output.pin)} value={int(start == full)}"
+        f" default_value={int(at_halt == full)} max_duration={output.max_duration_ticks}"
     ]
     if output.cycle_ticks:
         lines.append(f"set_digital_out_pwm_cycle oid={oid} cycle_ticks={output.cycle_ticks}")

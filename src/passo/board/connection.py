@@ -7,7 +7,16 @@ from contextlib import suppress
 from dataclasses import replace
 
 from passo import _core
-from passo.board.configuration import checksum, commands, full_scale, heater_options, queries
+from passo.board.configuration import (
+    Oids,
+    checksum,
+    commands,
+    full_scale,
+    heater_options,
+    on_wire,
+    queries,
+    sensors_known_to,
+)
 from passo.board.description import BoardDescription, Output, Sensor, inverted
 from passo.board.dictionary import DictionaryError
 from passo.board.exchange import LEAD_S, Exchange
@@ -18,6 +27,7 @@ from passo.board.main_loop import MainLoop
 from passo.board.ports import Port
 from passo.board.reading import Reading
 from passo.board.recorded_frames import KEPT_BYTES, KEPT_PARTS, KEPT_S, RecordedFrames
+from passo.board.shown_sensors import REPORTS, Broken, ShownSensors
 from passo.board.start_up import add_parts, configure, follow_clock
 from passo.board.survive import has_survived
 from passo.errors import MachineError
@@ -43,6 +53,7 @@ class Connection(Exchange):
         self.adopted = False
         self._timeline: _core.Timeline | None = None
         self._main_loop: MainLoop | None = None
+        self._shown: ShownSensors | None = None
 
     def connect(self, *, adopt: bool = False) -> None:
         """Identifies and configures the board, follows its clock and starts its sensors.
@@ -73,6 +84,7 @@ class Connection(Exchange):
             raise MachineError.of("machine.dictionary", value=str(error)) from None
         follow_clock(self)
         add_parts(self, self.move_count)
+        self._shown = ShownSensors(self.board, self.dictionary)
         self.renew()
         if self.adopted:
             # The board accepts commands again, and counts this host's commits from 0 on.
@@ -86,6 +98,8 @@ class Connection(Exchange):
             return
         try:
             identify(self)
+            self.board = sensors_known_to(self.board, self.dictionary)
+            self.oids = Oids.of(self.board)
             self._crc = checksum(commands(self.board, self.dictionary))
         except DictionaryError as error:
             raise MachineError.of("machine.dictionary", value=str(error)) from None
@@ -137,9 +151,8 @@ class Connection(Exchange):
         self.link.use_commits(self.ticks(horizon_s))
         for o in self._unheated():
             if o.max_duration_ticks > 0:
-                off = self.full_scale(o.name) if inverted(o.pin) else 0
                 oid = self.oids.outputs[o.name]
-                self.command(f"survive_output oid={oid} value={off} seconds=0")
+                self.command(f"survive_output oid={oid} value={self._at_halt(o)} seconds=0")
 
     async def reopen(self) -> None:
         """Like `open_again`, for a board that has run without the host.
@@ -220,6 +233,17 @@ class Connection(Exchange):
         age_s = (now - self.link.main_clock(clock)) / self.wire.hz
         return Reading.of(loop.celsius, age_s, lost=self.lost)
 
+    def sensor(self, name: str, now: int) -> tuple[Reading, Broken]:
+        """Like `reading`, for a sensor that no heater uses; and whether it is broken."""
+        shown = self._shown
+        if shown is None:
+            return Reading(None), ""
+        shown.take(self.take_responses(*REPORTS))
+        if (report := shown.last.get(name)) is None:
+            return Reading(None), ""
+        age_s = (now - self.main_clock(report.clock)) / self.wire.hz
+        return Reading.of(report.celsius, age_s, lost=self.lost), report.broken
+
     def set_target(self, heater: str, celsius: float) -> None:
         """Sets a heater's target; 0 turns it off. A heater that has failed keeps the new target,
         but stays off until it is rearmed. Raises KeyError if there is no such heater."""
@@ -292,21 +316,24 @@ class Connection(Exchange):
         return [o for o in self.board.outputs if o.name not in heated]
 
     def _switch_off_loads(self) -> None:
-        """Fans and the laser; motors stay on, so that they keep their position. A tone ends by
-        itself."""
+        """Fans, the laser and other pulsed outputs; motors stay on, so that they keep their
+        position. A tone ends by itself."""
         self._switch_off_lasers()
         for o in self._unheated():
             if o.kind == "digital" and o.cycle_ticks > 0 and o.max_duration_ticks == 0:
-                value = int(inverted(o.pin))
+                value = int(self._at_halt(o) > 0)
                 self.command(f"update_digital_out oid={self.oids.outputs[o.name]} value={value}")
 
     def _switch_off_lasers(self) -> None:
         clock = self.clock_after(LEAD_S / 2) & 0xFFFFFFFF
         for o in self._unheated():
             if o.kind == "pwm":
-                off = self.full_scale(o.name) if inverted(o.pin) else 0
-                oid = self.oids.outputs[o.name]
-                self.command(f"queue_pwm_out oid={oid} clock={clock} value={off}")
+                oid, value = self.oids.outputs[o.name], self._at_halt(o)
+                self.command(f"queue_pwm_out oid={oid} clock={clock} value={value}")
+
+    def _at_halt(self, output: Output) -> int:
+        """The value of an output that the board receives for the value after a shutdown."""
+        return on_wire(output, output.at_halt, self.full_scale(output.name))
 
     def net_steps(self, stepper: str) -> int:
         """Steps forward minus steps backward that the board has made since it was configured. Lets

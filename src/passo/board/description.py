@@ -48,9 +48,10 @@ class Output:
     A `digital` output with `cycle_ticks` 0 is on or off (values 0 and 1). With a cycle, the board's
     software pulses it, and its value is the number of ticks that it is on in each cycle. The
     hardware pulses a `pwm` output, whose value is 0 to PWM_MAX. While an output is on, the host
-    must renew it within `max_duration_ticks` (0: never), or the board shuts down. At the start and
-    after a shutdown the output is fully on if `default_on`, else off. An output that `blinks` is on
-    for half of each cycle, until the board shuts down. `kick` is the kickstart for changes on the
+    must renew it within `max_duration_ticks` (0: never), or the board shuts down. `start` and
+    `at_halt` are its values after the start and after a shutdown, as fractions of fully on; only a
+    `pwm` output can have others than 0 and 1 there. An output that `blinks` is on for half of each
+    cycle, until the board shuts down. `kick` is the kickstart for changes on the
     timeline.
     """
 
@@ -59,7 +60,8 @@ class Output:
     kind: Literal["digital", "pwm"] = "digital"
     cycle_ticks: int = 0
     max_duration_ticks: int = 0
-    default_on: bool = False
+    start: float = 0.0
+    at_halt: float = 0.0
     blinks: bool = False
     kick: Kick | None = None
 
@@ -124,7 +126,8 @@ class Sensor:
     holds pairs (°C, fraction of the ADC's full scale) by ascending °C; the fraction strictly rises
     or falls. Beyond the ends of the table the sensor is broken: open above the largest fraction and
     shorted below the smallest, or the other way round if not `open_is_high`. Outside `min_ratio` to
-    `max_ratio` the board shuts down, unless the host has switched the heater off before.
+    `max_ratio` the board shuts down, unless the host has switched the heater off before. A sensor
+    `of_chip` is in the microcontroller; its table is that of the chip that the firmware names.
     """
 
     name: str
@@ -137,6 +140,7 @@ class Sensor:
     spi: SpiPins | None = None
     setup: tuple[bytes, ...] = ()
     clears_faults: bytes = b""
+    of_chip: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -259,6 +263,12 @@ class BoardDescription:
                 raise ValueError(f"heater {heater.name}: its fan is not described")
             if outputs[heater.output].max_duration_ticks <= 0:
                 raise ValueError(f"heater {heater.name}: its output needs a maximum duration")
+
+    @property
+    def shown(self) -> tuple[Sensor, ...]:
+        """The sensors that no heater uses."""
+        used = {heater.sensor for heater in self.heaters}
+        return tuple(sensor for sensor in self.sensors if sensor.name not in used)
 
     @property
     def uarts(self) -> tuple[UartPins, ...]:

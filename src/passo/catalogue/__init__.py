@@ -15,7 +15,7 @@ from passo.catalogue.config import CONFIG
 from passo.catalogue.driver import DRIVER
 from passo.catalogue.entry import Entry, ExitStatus
 from passo.catalogue.firmware import FIRMWARE
-from passo.catalogue.heat import HEAT
+from passo.catalogue.heat import HEAT, SHOWN
 from passo.catalogue.importing import IMPORT
 from passo.catalogue.input import INPUT
 from passo.catalogue.job import JOB
@@ -44,6 +44,7 @@ CATALOGUE: Mapping[str, Entry] = {
     **LINK,
     **PROBE,
     **HEAT,
+    **SHOWN,
     **DRIVER,
     **FIRMWARE,
     **LEVELLING,

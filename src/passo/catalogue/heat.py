@@ -11,6 +11,28 @@ def _heat(says: str, action: str) -> Entry:
     return Entry("heat", says, f"{action}, then send M922", ExitStatus.MACHINE_FAULT)
 
 
+def _shown(says: str, action: str) -> Entry:
+    return Entry("sensor", says, action, ExitStatus.MACHINE_FAULT)
+
+
+SHOWN: Mapping[str, Entry] = {
+    "sensor.open": _shown(
+        "sensor {axis} is broken: its cable is open", "Check the sensor's plug and wires"
+    ),
+    "sensor.short": _shown(
+        "sensor {axis} is broken: its cable has a short circuit",
+        "Check the sensor's wires where they may touch",
+    ),
+    "sensor.low": _shown(
+        "sensor {axis} reads {value:.1f} °C, below its minimum of {limit:.1f} °C",
+        "Check the sensor, or change its min_c in the machine file",
+    ),
+    "sensor.high": _shown(
+        "sensor {axis} reads {value:.1f} °C, above its maximum of {limit:.1f} °C",
+        "Let it cool and check its fan, or change its max_c in the machine file",
+    ),
+}
+"""Sensors without a heater."""
 HEAT: Mapping[str, Entry] = {
     "heat.unknown": bad_input(
         "heat",

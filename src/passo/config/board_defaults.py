@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from passo.config.findings import Finding, table, tables
+from passo.config.findings import Finding, parts_with_sensors, table, tables
 from passo.config.motor_roles import Drive, Driven, axis_order
 from passo.config.pin_names import MAIN, bare, placed, section
 from passo.config.sensors import CONVERTERS, Converter
@@ -75,13 +75,13 @@ def _missing(whose: str, other: str, key: str) -> str:
 def put_pullups(data: dict[str, Any]) -> None:
     """Fills in the pull-up resistor of the board for resistive sensors of a raw machine file
     without one, if the board's file has a value."""
-    for _, heater in tables(data, "heaters"):
-        board = table(data, *section(placed(str(heater.get("sensor_pin")))[0]))
-        sensor = table(heater, "sensor") if "sensor" in heater else {"kind": "thermistor"}
-        if "pullup_ohm" not in board or not isinstance(heater, dict):
+    for _, _, content in parts_with_sensors(data):
+        board = table(data, *section(placed(str(content.get("sensor_pin")))[0]))
+        sensor = table(content, "sensor") if "sensor" in content else {"kind": "thermistor"}
+        if "pullup_ohm" not in board or not isinstance(content, dict):
             continue
         if sensor.get("kind") in _RESISTORS:
-            heater["sensor"] = {"pullup_ohm": board["pullup_ohm"], **sensor}
+            content["sensor"] = {"pullup_ohm": board["pullup_ohm"], **sensor}
 
 
 def put_driver_wires(data: dict[str, Any]) -> None:
@@ -189,6 +189,13 @@ def bindings(machine: MachineConfig) -> list[Binding]:
         # fans may be on each other's outputs
         own = (output for output in fans if output and machine.pin(output) == machine.pin(fan.pin))
         add(f"fans.{name}.pin", fan.pin, next(own, default))
+    for name, output in machine.outputs.items():
+        add(f"outputs.{name}.pin", output.pin, None)
+    for name, shown in machine.sensors.items():
+        add(f"sensors.{name}.sensor_pin", shown.sensor_pin, None)
+        if isinstance(shown.sensor, Converter):
+            for key in _BUS:
+                add(f"sensors.{name}.sensor.{key}", getattr(shown.sensor, key), None)
     for name, homing in machine.homing.items():
         original = _switch(board, name, homing.direction)
         add(f"homing.{name}.pin", homing.pin, original)

@@ -17,6 +17,7 @@ from passo.config.inputs import check_inputs
 from passo.config.klipper_options.check import check_kept_options
 from passo.config.macro_checks import check_macros
 from passo.config.motor_roles import Drivable, Driven, axis_order
+from passo.config.output_checks import check_names, check_outputs, check_shown_sensors
 from passo.config.pin_checks import check_pins
 
 Raw = Mapping[str, Any]
@@ -211,6 +212,9 @@ def check_all(
         check_heaters,
         check_fans,
         check_pulses,
+        check_outputs,
+        check_shown_sensors,
+        check_names,
         check_drivers,
         check_pins,
         check_accelerometer,

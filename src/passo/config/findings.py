@@ -102,6 +102,15 @@ def tables(data: Mapping[str, Any], key: str) -> Iterator[tuple[str, Mapping[str
             yield name, cast("Mapping[str, Any]", content)
 
 
+def parts_with_sensors(data: Mapping[str, Any]) -> list[tuple[str, str, Mapping[str, Any]]]:
+    """The heaters and the sensors without a heater: section, name and content of each."""
+    return [
+        (part, name, content)
+        for part in ("heaters", "sensors")
+        for name, content in tables(data, part)
+    ]
+
+
 def array(data: Mapping[str, Any], key: str) -> list[object]:
     """The array at `key`, empty if it is missing or is not an array."""
     value = data.get(key)

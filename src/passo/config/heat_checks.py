@@ -6,9 +6,11 @@ import itertools
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
+from passo.config.chip_sensors import chip_sensor_table
 from passo.config.findings import Finding, array, did_you_mean, number, table, tables
-from passo.config.pin_names import placed, section
+from passo.config.pin_names import MAIN, placed, section
 from passo.config.sensor_tables import reads_within, sensor_table
+from passo.config.shown_sensors import ChipSensor, HostSensor
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -79,9 +81,11 @@ def check_fans(data: Raw) -> Iterator[Finding]:
 
 
 def check_pulses(data: Raw) -> Iterator[Finding]:
-    """Checks that the boards can pulse heaters and fans at the configured frequency in software."""
-    for part in ("heaters", "fans"):
+    """Checks that the boards can pulse their outputs at the configured frequency in software."""
+    for part in ("heaters", "fans", "outputs"):
         for name, content in tables(data, part):
+            if content.get("pwm") == "hardware":
+                continue
             pin, wanted = content.get("pin"), number(content, "pwm_hz")
             if not isinstance(pin, str) or wanted is None:
                 continue
@@ -106,6 +110,18 @@ def check_sensors(machine: MachineConfig) -> Iterator[Finding]:
             limit = f"at most {most:g} °C, where what the sensor can measure ends"
             path = ("heaters", name, "max_c")
             yield Finding("config.value", path, heater.max_c, limit, nearest=most)
+    for name, shown in machine.sensors.items():
+        if isinstance(shown.sensor, HostSensor):
+            continue
+        if isinstance(shown.sensor, ChipSensor):
+            mcu = machine.all_boards[shown.sensor.board or MAIN].mcu
+            if chip_sensor_table(mcu) is None:
+                limit = f"another sensor: Passo knows no sensor in a {mcu}"
+                yield Finding("config.value", ("sensors", name, "sensor"), "chip", limit)
+            continue
+        if not reads_within(sensor_table(shown.sensor), shown.min_c, shown.max_c):
+            limit = f"values with distinct readings from {shown.min_c:g} to {shown.max_c:g} °C"
+            yield Finding("config.value", ("sensors", name, "sensor"), shown.sensor.kind, limit)
 
 
 def _check_points(path: tuple[str, ...], sensor: Raw) -> Iterator[Finding]:

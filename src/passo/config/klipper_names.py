@@ -51,6 +51,11 @@ def sensor_object(machine: MachineConfig, name: str) -> str:
     return f"filament_{machine.filament_sensors[name].kind}_sensor {name}"
 
 
+def temperature_object(name: str) -> str:
+    """Klipper's name for a temperature sensor without a heater."""
+    return f"temperature_sensor {name}"
+
+
 def board_object(name: str) -> str:
     """Klipper's name for a board; `main` is the main one."""
     return "mcu" if name == "main" else f"mcu {name}"

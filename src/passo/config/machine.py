@@ -30,10 +30,12 @@ from passo.config.motion import (
     Tool,
 )
 from passo.config.motor_roles import Drivable, Driven, axis_order
+from passo.config.outputs import Outputs, timed_name
 from passo.config.pin_names import MAIN, placed
 from passo.config.predefined_moves import PredefinedMove
 from passo.config.probing import Levelling, Simulated
 from passo.config.shapers import impulses
+from passo.config.shown_sensors import ShownSensors
 from passo.config.types import (
     AxisName,
     CommandName,
@@ -115,6 +117,10 @@ class MachineConfig(Model):
     """The heaters, by name."""
     fans: Fans = {}
     """The fans, by name."""
+    outputs: Outputs = {}
+    """Outputs that commands switch, by name."""
+    sensors: ShownSensors = {}
+    """Temperature sensors without a heater, by name."""
     laser: Laser | None = None
     """The laser or spindle of M3, M4 and M5."""
     mains: PowerSupply | None = None
@@ -134,7 +140,7 @@ class MachineConfig(Model):
     """Options of Klipper's printer.cfg that have no key here, by section, for macros that read them
     in printer.configfile: `[klipper.extruder]` with `nozzle_diameter = "0.6"`. They change nothing
     else. Values of the machine win. For a section of a part that Passo does not drive, such as
-    `[klipper."output_pin light"]`, macros also read a state, which `passo check` lists; SET_PIN and
+    `[klipper."servo arm"]`, macros also read a state, which `passo check` lists; SET_PIN and
     SET_FILAMENT_SENSOR set it."""
     board: Board
     """The main board. Print time is its clock."""
@@ -254,9 +260,15 @@ class MachineConfig(Model):
     @property
     def timed_outputs(self) -> dict[str, str]:
         """The names of the outputs on the timeline with their pins as written, in the order of
-        their numbers: heaters, fans, laser."""
-        parts = {**self.heaters, **self.fans, **({"laser": self.laser} if self.laser else {})}
-        return {name: part.pin for name, part in parts.items()}
+        their numbers: heaters, fans, laser, then the other outputs as `timed_name`."""
+        pins = {name: heater.pin for name, heater in self.heaters.items()}
+        pins |= {self.fan_output(name): fan.pin for name, fan in self.fans.items()}
+        pins |= {"laser": self.laser.pin} if self.laser else {}
+        return pins | {timed_name(name): output.pin for name, output in self.outputs.items()}
+
+    def fan_output(self, fan: str) -> str:
+        """The name of a fan's output: that of the fan, unless a heater has the same name."""
+        return f"{fan}-fan" if fan in self.heaters else fan
 
     @property
     def input_pins(self) -> dict[str, str]:

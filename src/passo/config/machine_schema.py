@@ -65,7 +65,12 @@ def _relax(tables: dict[str, Any]) -> None:
     for model, given in _OF_THE_BOARD:
         table = tables[model.__name__]
         table["required"] = [name for name in table["required"] if name not in given]
-    sensor = tables["Heater"]["properties"]["sensor"]
+    for owner in ("Heater", "ShownSensor"):
+        _name_sensor(tables[owner]["properties"]["sensor"])
+
+
+def _name_sensor(sensor: dict[str, Any]) -> None:
+    """Allows a name in place of a sensor's values."""
     table = {key: sensor.pop(key) for key in ("anyOf", "oneOf", "discriminator") if key in sensor}
     named = {"type": "object", "properties": {"kind": {"type": "string"}}, "required": ["kind"]}
     sensor["anyOf"] = [table, named, {"type": "string"}, {"type": "integer"}]

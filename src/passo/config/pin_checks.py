@@ -55,7 +55,7 @@ _MARKS: dict[Need, str] = {
     "switch": "!^",
     "receive": "^",
 }
-_LOADS = ("heaters", "fans", "laser", "mains")
+_LOADS = ("heaters", "fans", "outputs", "laser", "mains")
 _NEEDS = {"analog": "an analog input", "pwm": "a pin with hardware PWM"}
 
 
@@ -107,9 +107,10 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
         elif stepper.get("driver") in _SPI_DRIVERS:
             yield from _of_socket(path, stepper, socket.get("select"), "select")
         yield from _wires((*path, "tmc"), tmc)
-    for part in ("heaters", "fans"):
+    for part in ("heaters", "fans", "outputs", "sensors"):
         for name, content in tables(data, part):
-            yield from _claim((part, name, "pin"), content.get("pin"))
+            hardware: Need = "pwm" if content.get("pwm") == "hardware" else "digital"
+            yield from _claim((part, name, "pin"), content.get("pin"), hardware)
             sensor = table(content, "sensor")
             need: Need = "select" if sensor.get("kind") in CONVERTERS else "analog"
             yield from _claim((part, name, "sensor_pin"), content.get("sensor_pin"), need)

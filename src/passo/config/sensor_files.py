@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from passo.config.companion_files import read_companion
-from passo.config.findings import Finding, table, tables
+from passo.config.findings import Finding, parts_with_sensors, table
 
 # a substitute, so that the models do not report the same error again
 _ANY_POINTS = [[0.0, 1.0], [300.0, 0.0]]
@@ -15,12 +15,12 @@ _ANY_POINTS = [[0.0, 1.0], [300.0, 0.0]]
 
 def with_sensor_files(data: dict[str, Any], folder: Path) -> Iterator[Finding]:
     """Replaces each `file` of a sensor in `data` by its points; paths are relative to `folder`."""
-    for name, heater in list(tables(data, "heaters")):
-        sensor = table(heater, "sensor")
+    for part, name, content in parts_with_sensors(data):
+        sensor = table(content, "sensor")
         file = sensor.get("file")
         if sensor.get("kind") != "table" or not isinstance(file, str):
             continue
-        path = ("heaters", name, "sensor", "file")
+        path = (part, name, "sensor", "file")
         if "points" in sensor:
             yield Finding("config.conflict", path, file, "either file or points")
             continue
@@ -30,7 +30,7 @@ def with_sensor_files(data: dict[str, Any], folder: Path) -> Iterator[Finding]:
         except (OSError, ValueError) as error:
             reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
             yield Finding("config.value", path, file, f"a table that can be read ({reason})")
-        data["heaters"][name] = {**heater, "sensor": {**sensor, "points": points}}
+        data[part][name] = {**content, "sensor": {**sensor, "points": points}}
 
 
 def _points(text: str) -> list[list[float]]:

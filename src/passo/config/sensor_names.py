@@ -17,6 +17,7 @@ KINDS: tuple[str, ...] = tuple(
     for model in get_args(get_args(AnySensor)[0])
     for kind in get_args(model.model_fields["kind"].annotation)
 )
+SHOWN_KINDS = ("host", "chip")  # of sensors without a heater
 _MAX_NEAR = 6
 
 
@@ -155,19 +156,26 @@ def values_of(name: str) -> _Values | None:
 def put_sensor_names(data: dict[str, Any]) -> Iterator[Finding]:
     """Replaces the name of each sensor by its values: `sensor = "NAME"`, or `kind = "NAME"` with
     further keys, which override the table's."""
-    for name, heater in list(tables(data, "heaters")):
-        written = heater.get("sensor")
-        keys = table(heater, "sensor")
-        word = keys.get("kind") if keys else written
-        if not isinstance(word, str | int) or isinstance(word, bool) or (word in KINDS and keys):
-            continue
-        known = _BY_NAME.get(_folded(word))
-        path = ("heaters", name, "sensor", *(["kind"] if keys else []))
-        if known is None:
-            limit = f"one of {', '.join(KINDS)}, or the name of a sensor"
-            yield Finding("config.value", path, word, limit, _near(str(word)))
-            known, keys = {"kind": "thermistor"}, {}
-        data["heaters"][name] = {**heater, "sensor": {**known, **keys, "kind": known["kind"]}}
+    for part, kinds in (("heaters", KINDS), ("sensors", (*KINDS, *SHOWN_KINDS))):
+        for name, content in list(tables(data, part)):
+            yield from _put_sensor_name(data, (part, name), content, kinds)
+
+
+def _put_sensor_name(
+    data: dict[str, Any], part: tuple[str, str], content: Mapping[str, Any], kinds: tuple[str, ...]
+) -> Iterator[Finding]:
+    """Replaces the name of the sensor of one part, whose own kinds of sensors are `kinds`."""
+    keys = table(content, "sensor")
+    word = keys.get("kind") if keys else content.get("sensor")
+    if not isinstance(word, str | int) or isinstance(word, bool) or (word in kinds and keys):
+        return
+    known = {"kind": word} if word in kinds else _BY_NAME.get(_folded(word))
+    if known is None:
+        path = (*part, "sensor", *(["kind"] if keys else []))
+        limit = f"one of {', '.join(kinds)}, or the name of a sensor"
+        yield Finding("config.value", path, word, limit, _near(str(word)))
+        known, keys = {"kind": "thermistor"}, {}
+    data[part[0]][part[1]] = {**content, "sensor": {**known, **keys, "kind": known["kind"]}}
 
 
 def _near(word: str) -> str:

@@ -57,5 +57,5 @@ class LiveRig(Rig):
     def set_fan(self, fan: str, share: float) -> None:
         """Sets a fan's speed, 0 to 1, when the moves so far are done."""
         self.queue.before_moves()
-        self.commands.outputs.set_output(fan, share)
+        self.commands.outputs.set_fan(fan, share)
         self.queue.after_moves()

@@ -33,6 +33,14 @@ def _has_named_fan(machine: MachineConfig) -> bool:
     return any(fan_object(machine, name).startswith("fan_generic ") for name in machine.fans)
 
 
+def _has_output(machine: MachineConfig) -> bool:
+    return any(not output.fixed for output in machine.outputs.values())
+
+
+def _has_use(use: str) -> _Needs:
+    return lambda machine: any(output.use == use for output in machine.outputs.values())
+
+
 NEEDS: Mapping[str, _Needs] = {
     "QUAD_GANTRY_LEVEL": _has_gantry,
     "Z_TILT_ADJUST": lambda machine: not _has_gantry(machine),
@@ -41,6 +49,10 @@ NEEDS: Mapping[str, _Needs] = {
     "BLTOUCH_DEBUG": lambda machine: isinstance(machine.probe, BLTouch),
     "PROBE_CALIBRATE": lambda machine: isinstance(machine.probe, SensingProbe),
     "SET_FAN_SPEED": _has_named_fan,
+    "SET_PIN": _has_output,
+    "M42": _has_output,
+    "M240": _has_use("camera"),
+    "M355": _has_use("light"),
     "SET_HEATER_TEMPERATURE": _has_heaters,
     "TURN_OFF_HEATERS": _has_heaters,
     "TEMPERATURE_WAIT": _has_heaters,

@@ -17,6 +17,7 @@ from passo.printer.status import (
     JobStatus,
     MotionStatus,
     PrinterState,
+    SensorStatus,
     Status,
 )
 from passo.probes.base import SensingProbe
@@ -43,6 +44,7 @@ def planned_status(
     file: PlannedFile | None,
     heaters: dict[str, HeaterStatus],
     fans: Mapping[str, float],
+    outputs: Mapping[str, float],
     babysteps_mm: Mapping[str, float],
 ) -> Status:
     """The status at the end of the plan, which counts as done. `file` is None for a program that is
@@ -80,6 +82,11 @@ def planned_status(
         progress=_fraction(job, file),
         job=_job(machine, job, file) if file else None,
         bed=_unmeasured(machine),
+        outputs=dict(outputs),
+        sensors={
+            name: SensorStatus(shown.ambient_c, shown.ambient_c, shown.ambient_c)
+            for name, shown in machine.sensors.items()
+        },
     )
 
 

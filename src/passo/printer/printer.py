@@ -40,6 +40,7 @@ from passo.printer.watch.driver_status import DriverWatch
 from passo.printer.watch.endstops import EndstopWatch
 from passo.printer.watch.idle_timeout import IdleWatch
 from passo.printer.watch.late_commands import LateCommandWatch
+from passo.printer.watch.sensors import SensorWatch
 
 if TYPE_CHECKING:
     from passo.board.boards import Boards
@@ -85,9 +86,10 @@ class Printer:
         self.stops = stops = Stops(rig, state, outputs)
         self.drivers = DriverWatch(rig, state, outputs.motors, stops.halt)
         self.lateness = LateCommandWatch(rig, state)
+        self.sensors = SensorWatch(rig, state, stops.halt)
         self._begin(connection, first=True)
         self.motion = motion = build_motion(rig, state)
-        self.heat = heat = build_heat(rig, state, outputs.targets)
+        self.heat = heat = build_heat(rig, state, outputs.targets, self.sensors)
         area = printed_area or (lambda: covered(objects_of(rig.job)))
         self.levelling = build_levelling(rig, motion, meshes or MeshStore(), area)
         self.inputs = inputs = build_inputs(rig, state)
@@ -97,7 +99,7 @@ class Printer:
         self.prompts = UserPrompts(state, outputs.beeper)
         self.waits = WaitRunner(
             *(rig, state, motion.homer, motion.predefined, self.prompts),
-            *(outputs.laser, outputs.targets, heat.report.line),
+            *(outputs.laser, outputs.targets, self.sensors, heat.report.line),
         )
         self.driver_commands = DriverCommands(machine, self.drivers, outputs.motors)
         self.settings = Settings(
@@ -122,6 +124,7 @@ class Printer:
             inputs.time_passed,
             AutomaticFans(rig, state, outputs.motors).time_passed,
             self.drivers.time_passed,
+            self.sensors.time_passed,
             self.lateness.time_passed,
         )
         self.supervisor = supervisor = Supervisor(
@@ -134,7 +137,9 @@ class Printer:
             *(machine, rig, state, outputs.targets, self.motion_lock, self.prompts, self.waits),
             *(self.dispatch, stops, supervisor, skips),
         )
-        self.status = StatusReader(self.control, outputs, motion, heat, self.levelling, inputs)
+        self.status = StatusReader(
+            *(self.control, outputs, motion, heat, self.levelling, inputs, self.sensors)
+        )
 
     # -- start and restart ------------------------------------------------------------------------
 
@@ -176,6 +181,7 @@ class Printer:
             *(self.outputs.targets, self._mark_reached, self.state.is_other_source),
             lambda: self.status.read(),  # it is built after the first start
         )
+        rig.commands.outputs.begin(adopted=connection.adopted)
         rig.queue.on_motion = self._before_motion
         rig.queue.on_pass = self._time_passed
         if connection.adopted:

@@ -57,6 +57,20 @@ class FilamentSensorStatus:
 
 
 @dataclass(frozen=True, slots=True)
+class SensorStatus:
+    """A temperature sensor without a heater. `celsius` is its last reading, None before the first
+    one and while the sensor is broken; `lowest_c` and `highest_c` are its extremes since the start.
+    `fault` is `open` or `short` for a broken sensor, `low` or `high` beyond its range, or empty.
+    `age_s` is 0 while the board reports, otherwise the age of the reading in s."""
+
+    celsius: float | None
+    lowest_c: float | None
+    highest_c: float | None
+    fault: str = ""
+    age_s: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
 class PrintObject:
     """An object that the file labels. `number` is the number in M486, or its index in the file;
     `name` is empty if the file has none. `centre_mm` and `outline_mm`, X and Y, come from
@@ -366,7 +380,9 @@ class Status:
     `screws_limit_mm` is their allowed difference, if it is exceeded. `shapers` are the input
     shapers by axis, `advances` the pressure advance of each extruder. `cooled_c` are the targets of
     the heaters that a long pause or a fault has switched off, °C by name: they warm up before the
-    print resumes. `buttons` are the buttons by name, with True while they are pressed."""
+    print resumes. `buttons` are the buttons by name, with True while they are pressed. `outputs`
+    are fractions of fully on, without outputs that are fixed; `sensors` are those without a
+    heater."""
 
     state: PrinterState
     halted: str
@@ -406,6 +422,8 @@ class Status:
     shapers: dict[str, ShaperStatus] = field(default_factory=dict[str, ShaperStatus])
     advances: tuple[AdvanceStatus, ...] = ()
     cooled_c: dict[str, float] = field(default_factory=dict[str, float])
+    outputs: dict[str, float] = field(default_factory=dict[str, float])
+    sensors: dict[str, SensorStatus] = field(default_factory=dict[str, SensorStatus])
     filament_sensors: dict[str, FilamentSensorStatus] = field(
         default_factory=dict[str, FilamentSensorStatus]
     )

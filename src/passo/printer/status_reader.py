@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from passo.printer.setup.levelling import Levelling
     from passo.printer.setup.motion import Motion
     from passo.printer.setup.outputs import Outputs
+    from passo.printer.watch.sensors import SensorWatch
 
 _SPEED_OVER_S = 0.02  # the current speed is the mean over this time
 
@@ -47,10 +48,11 @@ class StatusReader:
         heat: Heat,
         levelling: Levelling,
         inputs: InputParts,
+        sensors: SensorWatch,
     ) -> None:
         self._control, self._rig, self._state = control, control.rig, control.state
         self._outputs, self._heat, self._levelling = outputs, heat, levelling
-        self._offsets, self._inputs = motion.offsets, inputs
+        self._offsets, self._inputs, self._sensors = motion.offsets, inputs, sensors
         self._letters = axis_order(self._rig.machine.axes)
         self._moves_since_s: float | None = None
 
@@ -90,12 +92,21 @@ class StatusReader:
             shapers=rig.commands.filters.shaper_status(),
             advances=rig.commands.filters.advance_status(),
             cooled_c=dict(self._outputs.targets.cooled_c),
+            outputs=self._output_values(),
+            sensors=self._sensors.status(),
             filament_sensors=self._inputs.filament.status(),
             buttons={n: self._inputs.buttons.pressed.get(n, False) for n in rig.machine.buttons},
         )
         for add in self._state.status_parts:
             status = add(status)
         return replace(status, moving_s=self._moving_s(status.state, status.time_s))
+
+    def _output_values(self) -> dict[str, float]:
+        """The values of the outputs; a halted board has switched them to `at_halt`."""
+        values = self._rig.commands.outputs.values
+        if not self._state.halted:
+            return dict(values)
+        return {name: self._rig.machine.outputs[name].at_halt for name in values}
 
     def _moving_s(self, state: PrinterState, now_s: float) -> float:
         """The print time since the machine began to print or move without a break; `now_s` is the

@@ -39,6 +39,15 @@ class WaitForTemperatures:
 
 
 @dataclass(frozen=True, slots=True)
+class WaitForReading:
+    """Waits until all moves are done and a heater or a sensor reads from `low_c` to `high_c`."""
+
+    name: str
+    low_c: float
+    high_c: float
+
+
+@dataclass(frozen=True, slots=True)
 class WaitForUser:
     """Waits until the user continues (M108), or until `seconds` have passed; 0 means no limit."""
 
@@ -94,6 +103,7 @@ Wait: TypeAlias = (
     WaitForMoves
     | WaitForQueue
     | WaitForTemperatures
+    | WaitForReading
     | WaitForUser
     | WaitForTuning
     | WaitForProcedure

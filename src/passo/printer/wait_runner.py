@@ -16,6 +16,7 @@ from passo.printer.wait_requests import (
     WaitForMoves,
     WaitForProcedure,
     WaitForQueue,
+    WaitForReading,
     WaitForTemperatures,
     WaitForTuning,
     WaitForUser,
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from passo.printer.live_rig import LiveRig
     from passo.printer.state import State
     from passo.printer.targets import Targets
+    from passo.printer.watch.sensors import SensorFault, SensorWatch
 
 WARMING_S = 1.0  # print time between two lines of temperatures during a wait
 # A heater that has cooled by less than this in this time has stopped cooling (values of StuFW).
@@ -69,10 +71,12 @@ class WaitRunner:
         prompts: UserPrompts,
         laser: Laser,
         targets: Targets,
+        sensors: SensorWatch,
         temperatures: Callable[[], str],
     ) -> None:
         self._rig, self._state, self._homer, self._moves = rig, state, homer, moves
         self._prompts, self._laser, self._targets = prompts, laser, targets
+        self._sensors = sensors
         self._temperatures = temperatures  # gives them as a line
         self.heating = False  # a command waits for a temperature
         self.person = False  # a command waits for the user
@@ -184,6 +188,8 @@ class WaitRunner:
         rig = self._rig
         if isinstance(wait, WaitForTemperatures):
             await self._reach(wait, reply)
+        elif isinstance(wait, WaitForReading):
+            await self._read(wait, reply)
         elif isinstance(wait, WaitForProcedure):
             await self._procedure(wait)
         elif isinstance(wait, WaitForTuning):
@@ -244,6 +250,33 @@ class WaitRunner:
         for name, heater in heaters.items():
             if heater.fault is not None and not state.halted:
                 raise CommandError([HeaterFault.of(name, heater.fault).problem])
+
+    async def _read(self, wait: WaitForReading, reply: Reply) -> None:
+        """Waits for a reading. Raises CommandError if the sensor is broken."""
+        rig, state, name = self._rig, self._state, wait.name
+        told_s, heater = rig.queue.now_s, rig.connection.heaters.get(name)
+
+        def fault() -> HeaterFault | SensorFault | None:
+            if heater is None:
+                return self._sensors.broken(name)
+            return None if heater.fault is None else HeaterFault.of(name, heater.fault)
+
+        def there() -> bool:
+            nonlocal told_s
+            if rig.queue.now_s >= told_s + WARMING_S:
+                told_s += WARMING_S
+                reply.warming(f" {self._temperatures()} W:?")
+            celsius = self._sensors.celsius(name) if heater is None else heater.celsius
+            near = celsius is not None and wait.low_c <= celsius <= wait.high_c
+            return near or state.interrupted or fault() is not None
+
+        self.heating = True
+        try:
+            await rig.queue.until(there)
+        finally:
+            self.heating = False
+        if (found := fault()) is not None and not state.interrupted:
+            raise CommandError([found.problem])
 
     async def _tune(self, wait: WaitForTuning) -> None:
         self.heating = True

@@ -5,6 +5,7 @@ from passo.simulator.fault_injector import SimulatedFaults
 from passo.simulator.machine import Cable, SimulatedMachine
 from passo.simulator.plant import (
     Actuator,
+    Air,
     Bed,
     BedProbe,
     Body,
@@ -17,6 +18,7 @@ from passo.simulator.wires import without_buses
 
 __all__ = [
     "Actuator",
+    "Air",
     "Bed",
     "BedProbe",
     "Body",

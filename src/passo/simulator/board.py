@@ -21,6 +21,8 @@ from passo.simulator.plant import Area, BedProbe, PlantDescription
 
 _FLICKERS = 2  # of `force_switch`
 _ELSEWHERE = 1 << 16  # no board has so many pins
+_UNHEATED = _ELSEWHERE - 1  # in place of the pin of a heater
+_AIR_S = 1.0  # of a body without a heater
 
 
 class SimulatedBoard:
@@ -167,6 +169,12 @@ class SimulatedBoard:
                 list(tables[heater.sensor]),
                 self._outputs[b.fan] if b.fan else 0,
                 b.fan_loss if b.fan else 0.0,
+            )
+
+        for air in plant.airs:
+            self.device.add_body(
+                *(_UNHEATED, self._sensors[air.sensor], air.ambient_c, 0.0, _AIR_S, _AIR_S),
+                list(tables[air.sensor]),
             )
 
     def _add_probe(self, probe: BedProbe) -> None:

@@ -44,6 +44,8 @@ class SimulatedFaults:
         for heater in board.heaters:
             self._add(f"{heater.name}-sensor", _SENSOR, self._sensor_setter(heater.sensor))
             self._add(f"{heater.name}-heater", _HEATER, self._heater_setter(heater.sensor))
+        for sensor in board.shown:
+            self._add(f"{sensor.name}-sensor", _SENSOR, self._sensor_setter(sensor.name))
         for endstop in board.endstops:
             self._add(f"{endstop.name}-endstop", _ENDSTOP, self._endstop_setter(endstop.name))
             if endstop.name == PROBE:

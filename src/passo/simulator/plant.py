@@ -59,6 +59,14 @@ class Body:
     fan_loss: float = 0.0
 
 
+@dataclass(frozen=True, slots=True)
+class Air:
+    """The sensor `sensor` measures a place at `ambient_c`, which nothing heats."""
+
+    sensor: str
+    ambient_c: float
+
+
 Area = tuple[float, float, float, float]
 
 
@@ -133,4 +141,5 @@ class PlantDescription:
     switches: tuple[Switch, ...] = ()
     inputs: tuple[InputSwitch, ...] = ()
     bodies: tuple[Body, ...] = ()
+    airs: tuple[Air, ...] = ()
     probe: BedProbe | None = None

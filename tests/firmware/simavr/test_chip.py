@@ -55,7 +55,7 @@ def test_a_melzi_holds_the_moves_of_its_file():
 
 def test_a_board_configured_otherwise_is_reset():
     chip = bench()
-    first = BoardDescription(HZ, outputs=(Output("light", "PH5", default_on=True),))
+    first = BoardDescription(HZ, outputs=(Output("light", "PH5", start=1.0, at_halt=1.0),))
     AvrConnection(first, chip).connect()
     assert chip.level("PH5") == 1
     second = BoardDescription(HZ, (Stepper("x", *RAMPS_PINS[0]),), (Output("fan", "PH3"),))

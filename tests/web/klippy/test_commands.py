@@ -65,7 +65,7 @@ MACROS = '[macros.LIGHTS]\ngcode = "SET_LED LED=a RED=1\\nM117 lit"\n'
 @pytest.mark.parametrize(
     ("line", "told"),
     [
-        ("SET_PIN PIN=light VALUE=1", "SET_PIN does nothing here: Passo has no free outputs"),
+        ("SET_PIN PIN=light VALUE=1", "SET_PIN does nothing here: The machine file has no output"),
         ("SET_LED LED=a RED=1", "SET_LED does nothing here: Passo has no light"),
         ("SET_FILAMENT_SENSOR SENSOR=a ENABLE=0", "Passo has no filament sensor yet"),
         ("PROBE", "PROBE does nothing here: "),

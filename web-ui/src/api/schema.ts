@@ -855,6 +855,18 @@ export interface Script {
   script: string;
 }
 
+/** A temperature sensor without a heater. `celsius` is its last reading, None before the first one
+ * and while the sensor is broken; `lowest_c` and `highest_c` are its extremes since the start.
+ * `fault` is `open` or `short` for a broken sensor, `low` or `high` beyond its range, or empty.
+ * `age_s` is 0 while the board reports, otherwise the age of the reading in s. */
+export interface SensorStatus {
+  celsius?: number | null;
+  lowest_c?: number | null;
+  highest_c?: number | null;
+  fault: string;
+  age_s: number;
+}
+
 /** A value that a command can set: `command` with `word` and the value. `value` is the active
  * value, `file` that of the machine file, and `stored` the value that M500 has stored; each of
  * the last two may be None. `source` is the source of the active value: `file`, `stored` or
@@ -924,7 +936,9 @@ export interface SpeedFactor {
  * bed screws; `screws_limit_mm` is their allowed difference, if it is exceeded. `shapers` are the
  * input shapers by axis, `advances` the pressure advance of each extruder. `cooled_c` are the
  * targets of the heaters that a long pause or a fault has switched off, °C by name: they warm up
- * before the print resumes. `buttons` are the buttons by name, with True while they are pressed. */
+ * before the print resumes. `buttons` are the buttons by name, with True while they are pressed.
+ * `outputs` are fractions of fully on, without outputs that are fixed; `sensors` are those
+ * without a heater. */
 export interface Status {
   state: PrinterState;
   halted: string;
@@ -964,6 +978,8 @@ export interface Status {
   shapers: Record<string, ShaperStatus>;
   advances: AdvanceStatus[];
   cooled_c: Record<string, number>;
+  outputs: Record<string, number>;
+  sensors: Record<string, SensorStatus>;
   filament_sensors: Record<string, FilamentSensorStatus>;
   buttons: Record<string, boolean>;
 }

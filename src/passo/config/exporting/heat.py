@@ -18,6 +18,7 @@ from passo.config.thermistor import ZERO_C
 if TYPE_CHECKING:
     from passo.config.exporting.cfg import Cfg
     from passo.config.heat import Heater
+    from passo.config.sensors import AnySensor
 
 _POINTS_C = (25.0, 150.0, 250.0)
 _WATERMARK_C = 2.0
@@ -38,7 +39,7 @@ def put_heat(cfg: Cfg) -> None:
 
 def _put_heater(cfg: Cfg, name: str, heater: Heater, section: str) -> None:
     cfg.put(section, heater_pin=cfg.pin(heater.pin), sensor_pin=cfg.pin(heater.sensor_pin))
-    _put_sensor(cfg, name, heater, section)
+    put_sensor(cfg, "heaters", name, heater.sensor, section)
     control: Any = heater.control
     gains = [getattr(control, gain, None) for gain in ("kp", "ki", "kd")]
     if control.kind == "pid" and None not in gains:
@@ -64,8 +65,9 @@ def _put_heater(cfg: Cfg, name: str, heater: Heater, section: str) -> None:
         cfg.left_out.append(f"heaters.{name}.protection: Klipper's own protection is on")
 
 
-def _put_sensor(cfg: Cfg, name: str, heater: Heater, section: str) -> None:
-    sensor, kind = heater.sensor, heater.sensor.kind.upper()
+def put_sensor(cfg: Cfg, part: str, name: str, sensor: AnySensor, section: str) -> None:
+    """Writes the sensor of the part `name` in the table `part` of the machine file."""
+    kind = sensor.kind.upper()
     if isinstance(sensor, Thermistor):
         _put_thermistor(cfg, name, sensor)
         cfg.put(section, sensor_type=f"thermistor_{name}", pullup_resistor=sensor.pullup_ohm)
@@ -84,7 +86,7 @@ def _put_sensor(cfg: Cfg, name: str, heater: Heater, section: str) -> None:
     elif isinstance(sensor, ThermocoupleAmplifier):
         cfg.put(section, sensor_type=kind, adc_voltage=sensor.full_scale_v)
     else:
-        cfg.left_out.append(f"heaters.{name}.sensor: give sensor_type of [{section}] by hand")
+        cfg.left_out.append(f"{part}.{name}.sensor: give sensor_type of [{section}] by hand")
 
 
 def _put_thermistor(cfg: Cfg, name: str, sensor: Thermistor) -> None:

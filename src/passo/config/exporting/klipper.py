@@ -9,6 +9,7 @@ from passo.config.exporting.cfg import Cfg
 from passo.config.exporting.heat import put_heat
 from passo.config.exporting.inputs import put_inputs
 from passo.config.exporting.motors import put_stepper
+from passo.config.exporting.outputs import put_outputs
 from passo.config.pin_names import placed
 from passo.config.square_corner import corner_mm_s
 from passo.errors import ConfigError
@@ -73,6 +74,7 @@ def _converted(machine: MachineConfig, kind: str) -> Cfg:
     for number, name in enumerate(machine.extruders):
         _put_extruder(cfg, name, f"extruder{number or ''}")
     put_heat(cfg)
+    put_outputs(cfg)
     _put_probe(cfg)
     _put_levelling(cfg)
     for axis, shaper in machine.shaping.items():

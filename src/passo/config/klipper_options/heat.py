@@ -31,7 +31,7 @@ def _of_sensor(kind: str, value: Value) -> Default:
     return found
 
 
-_SENSOR: Options = (
+SENSOR: Options = (
     text("sensor_type"),
     text("sensor_pin"),
     number("pullup_resistor", _of_sensor("resistor", 4700.0)),
@@ -52,7 +52,7 @@ _SENSOR: Options = (
     flag("rtd_use_50hz_filter", _of_sensor("MAX31865", value=False)),
 )
 _HEATER: Options = (
-    *_SENSOR,
+    *SENSOR,
     text("heater_pin"),
     number("max_power", 1.0),
     number("min_temp"),

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from passo.config.klipper_options.heat import SENSOR
 from passo.config.klipper_options.option import flag, number, text, whole, words
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from passo.config.klipper_options.option import Options
+    from passo.config.klipper_options.heat import SENSOR
+from passo.config.klipper_options.option import Options
 
 _PIN: Options = (
     text("pin"),
@@ -70,8 +72,9 @@ OUTPUTS: Mapping[str, Options] = {
         text("extruder"),
     ),
     "temperature_sensor": (
-        text("sensor_type"),
-        text("sensor_pin"),
+        *SENSOR,
+        text("sensor_mcu"),
+        text("sensor_path"),
         number("min_temp", -273.15),
         number("max_temp", 99999999.9),
         text("gcode_id"),

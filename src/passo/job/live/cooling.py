@@ -55,7 +55,7 @@ class Cooling:
         control.rig.queue.before_moves()
         for fan, share in self._fans.items():
             if not outputs.fans.get(fan):
-                outputs.set_output(fan, share)
+                outputs.set_fan(fan, share)
         control.rig.queue.after_moves()
         self.forget()
         self._warms_up = bool(off)

@@ -17,18 +17,19 @@ if TYPE_CHECKING:
     from passo.printer.settings import Settings as PrinterSettings
     from passo.printer.wait_requests import Reply
 
-_SET_BY = ("M106", "M107", "M220", "M221")
+_SET_BY = ("M42", "M106", "M107", "M220", "M221", "M355", "SET_PIN")
 
 
 def overrides_of(job: _core.Job, commands: Commands) -> dict[str, float]:
     """The current factors for later lines, by name: "speed", "flow" with the number of the
-    extruder, "fan" with its name."""
+    extruder, "fan" and "output" with their names."""
     flows = {f"flow {extruder}": flow for extruder, flow in enumerate(job.filament.flows)}
     fans = {
         f"fan {name}": commands.outputs.fans.get(name, 0.0)
         for name in commands.outputs.commanded_fans
     }
-    return {"speed": job.limits.speed_factor, **flows, **fans}
+    outputs = {f"output {name}": value for name, value in commands.outputs.values.items()}
+    return {"speed": job.limits.speed_factor, **flows, **fans, **outputs}
 
 
 def override(job: _core.Job, commands: Commands, name: str, factor: float) -> None:
@@ -39,7 +40,9 @@ def override(job: _core.Job, commands: Commands, name: str, factor: float) -> No
     elif what == "flow" and int(which) < len(job.filament.flows):
         job.filament.set_flow(int(which), factor)
     elif what == "fan" and which in commands.outputs.commanded_fans:
-        commands.outputs.set_output(which, factor)
+        commands.outputs.set_fan(which, factor)
+    elif what == "output" and which in commands.outputs.values:
+        commands.outputs.set_free(which, factor)
 
 
 class Overrides:

@@ -19,7 +19,7 @@ from passo.gcode.command import Command, numeral
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.heat.rules import FULL_POWER, Gains
 from passo.printer.live_rig import LiveRig
-from passo.printer.setup.boards import sensor_of
+from passo.printer.setup.sensors import sensor_of
 from passo.printer.wait_requests import Reply, Wait
 
 Control: TypeAlias = _core.PidControl | _core.OnOffControl | _core.ModelControl | _core.RelayControl

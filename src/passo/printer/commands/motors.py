@@ -9,7 +9,7 @@ from passo.gcode.registry import AXES, NOT_NEGATIVE_S, Kind, Subject, When, comm
 from passo.motion.endstops import axes_lost, named_motors
 from passo.motion.rig import Rig
 from passo.printer.laser import Laser
-from passo.printer.setup.boards import enable_outputs
+from passo.printer.setup.board_outputs import enable_outputs
 from passo.printer.wait_requests import Reply, Wait, WaitForMoves
 
 

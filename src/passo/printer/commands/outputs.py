@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import inf
 from typing import TYPE_CHECKING
 
+from passo.config.outputs import timed_name
 from passo.errors import CommandError
 from passo.gcode.command import Command
 from passo.gcode.registry import Subject, When, command, in_program
@@ -31,6 +32,8 @@ class Outputs:
         names = machine.timed_outputs
         self._outputs = {name: (i, full_scale[i]) for i, name in enumerate(names)}
         self.fans: dict[str, float] = {}  # the last commanded speeds, 0 to 1
+        # the last commanded values of the outputs that are not fixed, 0 to 1
+        self.values = {n: o.start for n, o in machine.outputs.items() if not o.fixed}
         # the clock at which the planned value of each output takes effect
         self._acts_at: dict[str, float] = {}
         self._spindle = 0.0
@@ -42,9 +45,10 @@ class Outputs:
         """Call this when the plan is discarded, and its output values with it."""
         self._acts_at.clear()
 
-    def set_output(self, output: str, share: float, *, at_once: bool = False) -> None:
+    def set_output(self, output: str, share: float, *, at_once: bool = False) -> bool:
         """Sets an output, 0 to 1, when the moves so far are done. With `at_once` it is set now,
-        until the next planned value takes effect."""
+        until the next planned value takes effect. Returns whether the value stays: no planned one
+        follows."""
         index, full = self._outputs[output]
         value, stays = round(min(max(share, 0.0), 1.0) * full), True
         if at_once:
@@ -52,8 +56,24 @@ class Outputs:
         else:
             self._acts_at[output] = self._job.clock + self._job.plan.queued_ticks
             self._job.outputs.record(index, value)
-        if stays and output in self._machine.fans:
-            self.fans[output] = share
+        return stays
+
+    def set_fan(self, name: str, share: float, *, at_once: bool = False) -> None:
+        """Like `set_output`, for a fan by its name."""
+        if self.set_output(self._machine.fan_output(name), share, at_once=at_once):
+            self.fans[name] = share
+
+    def set_free(self, name: str, share: float, *, at_once: bool = False) -> None:
+        """Like `set_output`, for one of the machine's `outputs`, by its name there."""
+        if self.set_output(timed_name(name), share, at_once=at_once):
+            self.values[name] = share
+
+    def begin(self, *, adopted: bool) -> None:
+        """Call this after the boards have started: sets the values that boards cannot start with.
+        If the boards are `adopted`, all outputs take their values of the start."""
+        for name, output in self._machine.outputs.items():
+            if adopted or (output.pwm == "software" and 0 < output.start < 1):
+                self.set_output(timed_name(name), output.start, at_once=True)
 
     # -- laser and spindle ------------------------------------------------------------------------
 
@@ -119,7 +139,7 @@ class Outputs:
     def fans_off(self) -> None:
         """Switches all fans off, as soon as the moves so far are done."""
         for fan in self.commanded_fans:
-            self.set_output(fan, 0.0)
+            self.set_fan(fan, 0.0)
 
     @command(
         "M106",
@@ -176,4 +196,4 @@ class Outputs:
             config = self._machine.fans[fan]
             share = share if share >= config.off_below else 0.0
             power = max(share * config.max_power, config.min_power if share > 0 else 0.0)
-            self.set_output(fan, power, at_once=at_once)
+            self.set_fan(fan, power, at_once=at_once)

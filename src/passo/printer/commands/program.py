@@ -15,6 +15,7 @@ from passo.printer.commands.klipper_commands import KlipperCommands
 from passo.printer.commands.limits import Limits
 from passo.printer.commands.motion_filters import MotionFilters
 from passo.printer.commands.not_yet import NotYet
+from passo.printer.commands.output_pins import OutputPins
 from passo.printer.commands.outputs import Outputs
 from passo.printer.commands.plan import Plan, PlanAhead
 from passo.printer.commands.program_flow import ProgramFlow, by_interpreter
@@ -49,6 +50,7 @@ _PARTS = {
     "flow": ProgramFlow,
     "set_points": SetPoints,
     "outputs": Outputs,
+    "pins": OutputPins,
     "limits": Limits,
     "filters": MotionFilters,
     "backlash": BacklashCommands,
@@ -142,6 +144,7 @@ class Commands:
         self.tower = TuningTower(machine, job)
         self.not_yet = NotYet()
         self.stand_ins = StandInCommands(machine, stand_ins, self.omitted)
+        self.pins = OutputPins(machine, job, self.outputs, stand_ins, self.omitted)
         self.file: PlannedFile | None = None  # the file of a plan
 
     def run(self, command: Command, reply: Reply | None = None) -> Wait | None:
@@ -210,6 +213,7 @@ class Commands:
             self.file,
             self.heaters(),
             self.outputs.fans,
+            self.outputs.values,
             steps_mm,
         )
         planned = replace(

@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Protocol
 
 from passo import _core
 from passo.config.heater_numbers import heater_of
+from passo.config.klipper_names import temperature_object
+from passo.config.part_names import found_name
 from passo.errors import CommandError
 from passo.gcode.command import Command
 from passo.gcode.registry import Subject, When, command, in_program
 from passo.printer.commands.klipper_commands import heater_named, number
 from passo.printer.commands.material_presets import Presets
-from passo.printer.wait_requests import Reply, Wait, WaitForTemperatures
+from passo.printer.wait_requests import Reply, Wait, WaitForReading, WaitForTemperatures
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -165,7 +167,8 @@ class SetPoints:
         Subject.HEATERS,
         When.EXCLUSIVE,
         "S(°C) R(°C) P",
-        "Sets the temperature of the chamber, and waits for it. R also waits while it cools.",
+        "Sets the temperature of the chamber, and waits for it. R also waits while it cools."
+        " Without a chamber heater it waits until the sensor with the letter C is so warm.",
         bare="F",
         nan=True,
     )
@@ -175,12 +178,22 @@ class SetPoints:
     def _reach(self, command: Command, kind: str) -> Wait | None:
         words = command.words()
         if not self._exists(kind, words):
-            return None
+            return self._soak(words) if kind == "chamber" else None
         name = self.heater(kind, _number(words))
         target = self._celsius(words, kind)
         if target is not None:
             self._heat_to(name, target)
         return WaitForTemperatures((name,), cooling="R" in words)
+
+    def _soak(self, words: dict[str, float]) -> Wait | None:
+        """M191 of a machine without a chamber heater: waits until the sensor of the chamber, whose
+        letter is C, is as warm as this."""
+        sensors = self._machine.sensors
+        chamber = next((name for name, one in sensors.items() if one.letter == "C"), None)
+        target = self._celsius(words, "chamber")
+        if chamber is None or target is None or target <= 0:
+            return None
+        return WaitForReading(chamber, target, inf)
 
     @command(
         "M116",
@@ -219,11 +232,19 @@ class SetPoints:
 
     @in_program("TEMPERATURE_WAIT")
     def _await(self, command: Command, _: Reply) -> Wait | None:
-        """Waits for the target, if it is within the limits: no other temperature lasts."""
+        """Waits for the limits of a sensor, or for a heater to cool down to its maximum. Else waits
+        for the target of a heater, if it is within the limits: no other temperature lasts."""
         words = command.pairs()
-        name = heater_named(self._machine, words, "SENSOR")
         low, high = number(words, "MINIMUM", -inf), number(words, "MAXIMUM", inf)
+        shown = found_name(
+            [temperature_object(name) for name in self._machine.sensors], words.get("SENSOR", "")
+        )
+        if shown is not None:
+            return WaitForReading(shown.partition(" ")[2], low, high)
+        name = heater_named(self._machine, words, "SENSOR")
         target = self.targets_c.get(name, 0.0)
+        if low == -inf and target <= high < inf:
+            return WaitForReading(name, low, high)
         if target <= 0 or not low <= target <= high:
             return None
         return WaitForTemperatures((name,), cooling=high < inf)

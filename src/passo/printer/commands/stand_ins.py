@@ -8,7 +8,7 @@ from passo.config.part_names import found_name
 from passo.gcode.registry import in_program
 from passo.printer.commands.klipper_commands import number
 from passo.printer.skipped_commands import SkippedCommand
-from passo.printer.stand_ins import FILAMENT_SENSORS, PINS
+from passo.printer.stand_ins import FILAMENT_SENSORS
 from passo.printer.status import FilamentSensorStatus
 
 if TYPE_CHECKING:
@@ -38,11 +38,6 @@ class StandInCommands:
             name: FilamentSensorStatus(True, self._enabled[name], moves=part.kind == "motion")
             for name, part in self._sensors.items()
         }
-
-    @in_program("SET_PIN")
-    def _pin(self, command: Command, _: Reply) -> None:
-        words = command.pairs()
-        self._set(command, PINS, words.get("PIN", ""), "value", number(words, "VALUE", 0.0))
 
     @in_program("SET_FILAMENT_SENSOR")
     def _filament(self, command: Command, _: Reply) -> None:

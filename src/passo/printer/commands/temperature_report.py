@@ -5,6 +5,7 @@ from __future__ import annotations
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
+from passo.board.reading import ABSOLUTE_ZERO_C
 from passo.errors import CommandError
 from passo.gcode.command import Command
 from passo.gcode.registry import Kind, Subject, When, command
@@ -14,15 +15,19 @@ if TYPE_CHECKING:
     from passo.printer.commands.heater_control import ControlCommands
     from passo.printer.live_rig import LiveRig
     from passo.printer.state import State
+    from passo.printer.watch.sensors import SensorWatch
 
 _LETTERS = {"hotend": "T", "bed": "B", "chamber": "C"}
 
 
 class TemperatureReport:
-    """Reports the temperatures of one printer's heaters."""
+    """Reports the temperatures of one printer's heaters, and of its sensors with a letter."""
 
-    def __init__(self, rig: LiveRig, state: State, controls: ControlCommands) -> None:
+    def __init__(
+        self, rig: LiveRig, state: State, controls: ControlCommands, sensors: SensorWatch
+    ) -> None:
         self._rig, self._state, self._controls = rig, state, controls
+        self._sensors = sensors
 
     def line(self) -> str:
         """`T:21.5 /0.0 B:21.0 /0.0 @:0 B@:0`: measured (-273.15 while the board reports nothing),
@@ -52,6 +57,12 @@ class TemperatureReport:
             else:
                 parts.append(f"{letter}{reading}")
                 powers.append(f"{letter}@:{power}")
+        for name, shown in rig.machine.sensors.items():
+            if shown.letter:
+                celsius = self._sensors.celsius(name)
+                parts.append(
+                    f"{shown.letter}:{ABSOLUTE_ZERO_C if celsius is None else celsius:.2f}"
+                )
         return " ".join(parts + powers)
 
     def _fractions(self) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from passo.config.klipper_names import heater_object
+from passo.config.klipper_names import heater_object, temperature_object
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -41,7 +41,28 @@ def fan(status: Status, name: str) -> Object:
     return {"speed": status.fans.get(name, 0.0), "rpm": None}
 
 
+def output_pin(status: Status, name: str) -> Object:
+    """An output; its value is a fraction of fully on."""
+    return {"value": status.outputs[name]}
+
+
+def temperature_sensor(status: Status, name: str) -> Object:
+    """A sensor without a heater, °C. Before its first reading, and while it is broken, it shows 0
+    °C."""
+    seen = status.sensors[name]
+    return {
+        "temperature": round(seen.celsius or 0.0, 2),
+        "measured_min_temp": round(seen.lowest_c or 0.0, 2),
+        "measured_max_temp": round(seen.highest_c or 0.0, 2),
+    }
+
+
 def heaters(machine: MachineConfig) -> Object:
     """The names of all heaters and sensors."""
     names = [heater_object(machine, name) for name in machine.heaters]
-    return {"available_heaters": names, "available_sensors": names, "available_monitors": []}
+    shown = [temperature_object(name) for name in machine.sensors]
+    return {
+        "available_heaters": names,
+        "available_sensors": names + shown,
+        "available_monitors": [],
+    }

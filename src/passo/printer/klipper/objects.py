@@ -11,10 +11,18 @@ from passo.config.klipper_names import (
     heater_object,
     number_of,
     sensor_object,
+    temperature_object,
 )
 from passo.printer.klipper.bed import bed_mesh, levelled, manual_probe, probe, screws_tilt_adjust
 from passo.printer.klipper.configfile import configfile
-from passo.printer.klipper.heat import extruder, fan, heater, heaters
+from passo.printer.klipper.heat import (
+    extruder,
+    fan,
+    heater,
+    heaters,
+    output_pin,
+    temperature_sensor,
+)
 from passo.printer.klipper.job import (
     display_status,
     exclude_object,
@@ -87,6 +95,10 @@ def objects(
         found["input_shaper"] = lambda: input_shaper(status)
     for name in machine.fans:
         found[fan_object(machine, name)] = lambda name=name: fan(status, name)
+    for name in status.outputs:
+        found[f"output_pin {name}"] = lambda name=name: output_pin(status, name)
+    for name in status.sensors:
+        found[temperature_object(name)] = lambda name=name: temperature_sensor(status, name)
     for name, sensor in status.filament_sensors.items():
         found[sensor_object(machine, name)] = lambda sensor=sensor: {
             "filament_detected": sensor.detected,

@@ -14,8 +14,8 @@ from passo.config.sensors import Converter, ThermocoupleConverter
 from passo.config.trinamic import chip_of
 
 if TYPE_CHECKING:
-    from passo.config.heat import Heater
     from passo.config.machine import MachineConfig
+    from passo.config.sensors import AnySensor
 
 ACCELEROMETER_HZ = 5_000_000  # the greatest clock of an ADXL345
 
@@ -83,14 +83,14 @@ def current_settings(machine: MachineConfig, on: str) -> Iterator[Setting]:
         yield Setting(SpiPins(cs, clock, mosi, miso, mode=0), tuple(words))
 
 
-def converter_wires(machine: MachineConfig, heater: Heater) -> SpiPins | None:
-    """The bus of a heater's sensor, if it is a converter."""
-    sensor, pin = heater.sensor, machine.pin
+def converter_wires(machine: MachineConfig, sensor: AnySensor, select: str) -> SpiPins | None:
+    """The bus of a sensor, if it is a converter, which the pin `select` selects."""
+    pin = machine.pin
     if not isinstance(sensor, Converter):
         return None
     clock, mosi, miso = (pin(p) for p in (sensor.clock_pin, sensor.mosi_pin, sensor.miso_pin))
     mode = 0 if isinstance(sensor, ThermocoupleConverter) else 1
-    return SpiPins(pin(heater.sensor_pin), clock, mosi, miso, mode)
+    return SpiPins(pin(select), clock, mosi, miso, mode)
 
 
 def accelerometers(machine: MachineConfig, on: str) -> Iterator[Accelerometer]:

@@ -11,6 +11,7 @@ from passo.printer.commands.temperature_report import TemperatureReport
 from passo.printer.live_rig import LiveRig
 from passo.printer.state import State
 from passo.printer.targets import Targets
+from passo.printer.watch.sensors import SensorWatch
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,10 +25,10 @@ class Heat:
     handlers: list[object]  # the parts that handle commands
 
 
-def build_heat(rig: LiveRig, state: State, targets: Targets) -> Heat:
+def build_heat(rig: LiveRig, state: State, targets: Targets, sensors: SensorWatch) -> Heat:
     """Builds the heat of a connected machine."""
     controls = ControlCommands(rig)
     settings = HeatCommands(rig, controls)
     tunes = TuneCommands(rig, state, targets, controls)
-    report = TemperatureReport(rig, state, controls)
+    report = TemperatureReport(rig, state, controls, sensors)
     return Heat(controls, settings, report, [controls, settings, tunes, report])

@@ -49,7 +49,7 @@ def simulated_board(
     machine: MachineConfig, board: BoardDescription, name: str = MAIN
 ) -> SimulatedBoard:
     """The simulated board `name` of a machine file, with its part of mechanics and heat."""
-    from passo.simulator import Body, PlantDescription, SimulatedBoard
+    from passo.simulator import Air, Body, PlantDescription, SimulatedBoard
     from passo.simulator import Switch as PlantSwitch
 
     own, wired = {e.name for e in board.endstops}, {i.name for i in board.inputs}
@@ -75,6 +75,7 @@ def simulated_board(
             for heater in board.heaters
             for simulated in (machine.heaters[heater.name].simulated,)
         ),
+        airs=tuple(Air(s.name, machine.sensors[s.name].ambient_c) for s in board.shown),
         probe=_bed_probe(machine) if PROBE in own else None,
         inputs=tuple(i for i in _input_switches(machine) if i.name in wired),
     )

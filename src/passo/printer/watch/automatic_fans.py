@@ -35,7 +35,7 @@ class AutomaticFans:
             was_on = commands.outputs.fans.get(name, 0.0) > 0
             on = self._warm(fan, was_on) or self._works(name, fan)
             if on != was_on:
-                commands.outputs.set_output(name, fan.max_power if on else 0.0, at_once=True)
+                commands.outputs.set_fan(name, fan.max_power if on else 0.0, at_once=True)
 
     def _warm(self, fan: Fan, was_on: bool) -> bool:
         if fan.follows is None:

@@ -65,7 +65,7 @@ def _put_heater(job: Import, section: Section) -> None:
     if chamber:
         job.draft.changed(section.place, f"[{section.name}]", "M141 and M191 set it, as a chamber")
     job.put("heater", section, name=name)
-    _put_sensor(job, section, path)
+    put_sensor(job, section, path)
     control = section.text("control")
     kind = "bang-bang" if control == "watermark" else "pid"
     job.put_value((*path, "control", "kind"), section, "control", kind)
@@ -80,7 +80,8 @@ def _put_heater(job: Import, section: Section) -> None:
         job.put("verify_heater", protection, name=name)
 
 
-def _put_sensor(job: Import, section: Section, path: KeyPath) -> None:
+def put_sensor(job: Import, section: Section, path: KeyPath) -> None:
+    """Imports the sensor of a section to the part at `path`. Raises ConfigError."""
     written, place = section.text("sensor_type"), section.at("sensor_type")
     pullup = section.number("pullup_resistor", 4700.0)
     own = job.config.get(f"thermistor {written}")

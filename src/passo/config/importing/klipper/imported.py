@@ -16,6 +16,7 @@ from passo.config.importing.klipper.levelling import put_levelling
 from passo.config.importing.klipper.macros import put_macros
 from passo.config.importing.klipper.mcus import finish_boards, put_boards
 from passo.config.importing.klipper.motion import put_motion
+from passo.config.importing.klipper.outputs import put_outputs
 from passo.config.importing.klipper.pins import MAIN, Pins
 from passo.config.importing.klipper.settings import put_settings
 from passo.config.importing.table import Row, report
@@ -44,6 +45,7 @@ def imported(path: Path, *, board: str | None = None, skip_missing: bool = False
     put_probe(job)
     put_motion(job)
     put_heat(job)
+    put_outputs(job)
     probe = [key for key in draft.keys if key[0] == "probe"]
     for key in probe:  # after motion and heat, as in other machine files
         draft.keys[key] = draft.keys.pop(key)

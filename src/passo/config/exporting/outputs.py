@@ -1,0 +1,51 @@
+"""Outputs, and sensors that no heater uses, as sections of Klipper."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from passo.config.exporting.heat import put_sensor
+from passo.config.klipper_names import temperature_object
+from passo.config.shown_sensors import ChipSensor, HostSensor
+
+if TYPE_CHECKING:
+    from passo.config.exporting.cfg import Cfg
+    from passo.config.outputs import Output
+
+
+def put_outputs(cfg: Cfg) -> None:
+    """Converts the outputs, then the sensors. Options of the machine file without an option in
+    Klipper are left out silently: they name commands."""
+    for name, output in cfg.machine.outputs.items():
+        if output.fixed and output.start in (0, 1) and output.pwm == "none":
+            pin = cfg.pin(output.pin if output.start else f"!{output.pin}")
+            cfg.put(f"static_digital_output {name}", pins=pin)
+        else:
+            _put_output(cfg, name, output)
+    for name, shown in cfg.machine.sensors.items():
+        section, sensor = temperature_object(name), shown.sensor
+        if isinstance(sensor, HostSensor):
+            cfg.put(section, sensor_type="temperature_host")
+        elif isinstance(sensor, ChipSensor):
+            cfg.put(section, sensor_type="temperature_mcu", sensor_mcu=sensor.board or None)
+        else:
+            cfg.put(section, sensor_pin=cfg.pin(shown.sensor_pin) if shown.sensor_pin else None)
+            put_sensor(cfg, "sensors", name, sensor, section)
+        set_ = shown.model_fields_set
+        low, high = (getattr(shown, key) if key in set_ else None for key in ("min_c", "max_c"))
+        cfg.put(section, min_temp=low, max_temp=high, gcode_id=shown.letter)
+
+
+def _put_output(cfg: Cfg, name: str, output: Output) -> None:
+    pulsed = output.pwm != "none"
+    cfg.put(
+        f"output_pin {name}",
+        pin=cfg.pin(output.pin),
+        pwm=pulsed,
+        hardware_pwm=True if output.pwm == "hardware" else None,
+        cycle_time=1 / output.pwm_hz if pulsed else None,
+        value=output.start * output.scale,
+        shutdown_value=output.at_halt * output.scale,
+        scale=output.scale if output.scale != 1.0 else None,
+        maximum_mcu_duration=output.max_on_s or None,
+    )

@@ -1,0 +1,62 @@
+"""Temperature sensors without a heater, which are shown, awaited, and followed by fans."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from passo.config.sensors import AnySensor, Thermistor
+from passo.config.types import Letter, Model, PartName, Pin
+
+_Celsius = Annotated[float, Field(ge=-274, le=1200)]
+
+
+class HostSensor(Model):
+    """The temperature of the computer that Passo runs on."""
+
+    kind: Literal["host"]
+    """The computer that Passo runs on."""
+    path: str = "/sys/class/thermal/thermal_zone0/temp"
+    """The file with the temperature, in 1/1000 °C."""
+
+
+class ChipSensor(Model):
+    """The sensor in the microcontroller of a board. It needs Klipper's firmware; with Passo's
+    firmware it shows nothing. Without the calibration of the maker it is some 10 °C off."""
+
+    kind: Literal["chip"]
+    """The sensor in the microcontroller."""
+    board: PartName | None = None
+    """The board. If not given, the main one."""
+
+
+class ShownSensor(Model):
+    """A temperature sensor without a heater."""
+
+    sensor: Annotated[AnySensor | HostSensor | ChipSensor, Field(discriminator="kind")] = Field(
+        default_factory=Thermistor
+    )
+    """The sensor: a [name](sensors.md), `"host"`, `"chip"`, or a table. If not given, a thermistor
+    of 100 kΩ."""
+    sensor_pin: Pin | None = None
+    """The analog input of the sensor, or the chip select of a converter."""
+    min_c: _Celsius = -274.0
+    """The minimum temperature. A reading below it is a fault."""
+    max_c: _Celsius = 1200.0
+    """The maximum temperature. A reading above it is a fault."""
+    on_fault: Literal["machine", "report"] = "report"
+    """Whether a broken sensor, or a reading beyond `min_c` or `max_c`, halts the printer or is only
+    reported."""
+    letter: Letter | None = None
+    """The letter of this temperature in M105, such as C for a chamber."""
+    ambient_c: Annotated[float, Field(ge=-50, le=300)] = 25.0
+    """The temperature at this sensor on the simulated printer."""
+
+    @property
+    def on_board(self) -> bool:
+        """Whether a board reads the sensor, not this computer."""
+        return not isinstance(self.sensor, HostSensor)
+
+
+ShownSensors = dict[PartName, ShownSensor]

@@ -1,0 +1,172 @@
+"""SET_PIN, M42, M240 and M355: outputs that the machine file names."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from passo.config.part_names import found_name
+from passo.errors import CommandError
+from passo.gcode.registry import Subject, When, command
+from passo.printer.commands.klipper_commands import number
+from passo.printer.commands.ranges import beyond
+from passo.printer.skipped_commands import SkippedCommand
+from passo.printer.stand_ins import PINS
+from passo.printer.wait_requests import without_effect
+
+if TYPE_CHECKING:
+    from passo import _core
+    from passo.config.machine import MachineConfig
+    from passo.gcode.command import Command
+    from passo.printer.commands.outputs import Outputs
+    from passo.printer.skipped_commands import SkippedCommands
+    from passo.printer.stand_ins import StandIns
+    from passo.printer.wait_requests import Reply
+
+_FULL = 255  # S of M42, P of M355
+_TRIGGER_MS = 100  # the camera's output is on for this time
+_LACKS = "The machine file has no output for it ([outputs])."
+
+
+class OutputPins:
+    """The commands of one job that set outputs of the machine file. SET_PIN also sets the state of
+    a pin that the file only keeps for macros, which is counted in `omitted`."""
+
+    def __init__(
+        self,
+        machine: MachineConfig,
+        job: _core.Job,
+        outputs: Outputs,
+        stand_ins: StandIns,
+        omitted: SkippedCommands,
+    ) -> None:
+        self._all = {n: o for n, o in machine.outputs.items() if not o.fixed}
+        self._job, self._outputs = job, outputs
+        self._stand_ins, self._omitted = stand_ins, omitted
+        self._light = next((n for n, o in self._all.items() if o.use == "light"), None)
+        self._camera = next((n for n, o in self._all.items() if o.use == "camera"), None)
+        self._brightness = 1.0  # of the light while it is on
+
+    @command(
+        "SET_PIN",
+        Subject.OUTPUTS,
+        When.PLANNED,
+        "PIN VALUE",
+        "Sets an output by its name; VALUE is from 0 to the `scale` of the output.",
+        bare=None,
+        lacks=_LACKS,
+    )
+    def _set_pin(self, command: Command, reply: Reply) -> None:
+        words = command.pairs()
+        written = words.get("PIN", "")
+        name = found_name(self._all, written)
+        if name is None:
+            self._set_absent(command, written, reply)
+            return
+        for word in words.keys() - {"PIN", "VALUE"}:
+            note = f"SET_PIN {word} does nothing here; the machine file has pwm_hz of {name}"
+            reply.note(f"SET_PIN {word}", note)
+        output = self._all[name]
+        value = number(words, "VALUE")
+        if not 0 <= value <= output.scale or (output.pwm == "none" and 0 < value < output.scale):
+            limit = f"0 to {output.scale:g}"
+            if output.pwm == "none":
+                limit = f"0 or {output.scale:g}: outputs.{name} has no pwm"
+            raise CommandError.of("command.value", axis="VALUE", value=f"{value:g}", limit=limit)
+        self._outputs.set_free(name, value / output.scale)
+
+    def _set_absent(self, command: Command, written: str, reply: Reply) -> None:
+        """SET_PIN of an output that the machine does not have. Raises CommandError if it has
+        others."""
+        state = self._stand_ins.named(PINS, written)
+        if state is not None:
+            state["value"] = number(command.pairs(), "VALUE", 0.0)
+            self._omitted.count(SkippedCommand.NOT_BUILT, command.code, command.line)
+        elif self._all:
+            limit = ", ".join(self._all)
+            raise CommandError.of(
+                "command.value", axis="PIN", value=written or "missing", limit=limit
+            )
+        else:
+            self._lacks(command, reply)
+
+    @command(
+        "M42",
+        Subject.OUTPUTS,
+        When.PLANNED,
+        "P S(0-255)",
+        "Sets the output with the `number` P. An output without pwm is on from S1.",
+        bare="I",
+        lacks=_LACKS,
+    )
+    def _set_number(self, command: Command, reply: Reply) -> None:
+        words = command.words()
+        numbers = {o.number: name for name, o in self._all.items() if o.number is not None}
+        wanted = words.get("P")
+        if wanted is None:
+            raise CommandError.of("input.missing-word", axis="the command", value="P")
+        if int(wanted) not in numbers:
+            limit = ", ".join(map(str, numbers)) or "no output with a number"
+            raise CommandError.bad_value("P", wanted, limit)
+        if "S" not in words:
+            reply.note("M42", "M42 sets outputs, by S; the machine file has the settings")
+            return
+        if note := beyond("M42 S", words["S"], (0, _FULL)):
+            reply.note(note, note)
+        self._set_share(numbers[int(wanted)], words["S"] / _FULL)
+
+    @command(
+        "M355",
+        Subject.OUTPUTS,
+        When.PLANNED,
+        "S(0-1) P(0-255)",
+        "Switches the light of the machine on or off, and sets its brightness P. Without"
+        " parameters it reports them.",
+        lacks=_LACKS,
+    )
+    def _set_light(self, command: Command, reply: Reply) -> None:
+        words = command.words()
+        if self._light is None:
+            self._lacks(command, reply)
+            return
+        if "P" in words:
+            self._brightness = min(max(words["P"] / _FULL, 0.0), 1.0)
+        on = words.get("S", float(self._outputs.values[self._light] > 0)) > 0
+        if words:
+            self._set_share(self._light, self._brightness if on else 0.0)
+        level = f"{round(self._brightness * _FULL)}" if on else "OFF"
+        reply.say(f"echo:Case light: {level}")
+
+    def _set_share(self, name: str, share: float) -> None:
+        """Sets an output to a fraction of fully on. One without pwm is on above 0."""
+        if self._all[name].pwm == "none":
+            share = float(share > 0)
+        self._outputs.set_free(name, share)
+
+    @command(
+        "M240",
+        Subject.OUTPUTS,
+        When.PLANNED,
+        "",
+        "Triggers the camera: its output is on for 0.1 s, at standstill.",
+        bare=None,
+        lacks=_LACKS,
+    )
+    def _trigger(self, command: Command, reply: Reply) -> None:
+        if self._camera is None:
+            self._lacks(command, reply)
+            return
+        full = self._all[self._camera].scale
+        lines = [
+            f"SET_PIN PIN={self._camera} VALUE={full:g}",
+            f"G4 P{_TRIGGER_MS}",
+            f"SET_PIN PIN={self._camera} VALUE=0",
+        ]
+        self._job.program.insert("".join(f"{line}\n" for line in lines).encode())
+
+    def _lacks(self, command: Command, reply: Reply) -> None:
+        """Reports that the machine lacks the output. Macros, which are written for other printers,
+        go on."""
+        if self._job.program.macro_depth:
+            reply.note(command.code, without_effect(command.code, _LACKS))
+        else:
+            reply.no_part(command.code, _LACKS)

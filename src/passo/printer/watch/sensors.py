@@ -1,0 +1,160 @@
+"""Watches the temperature sensors of a machine that no heater uses."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from passo.board.reading import Reading
+from passo.config.shown_sensors import HostSensor
+from passo.errors import MachineError, Problem
+from passo.printer.status import SensorStatus
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from passo.board.shown_sensors import Broken
+    from passo.config.shown_sensors import ShownSensor
+    from passo.errors import PassoError
+    from passo.printer.live_rig import LiveRig
+    from passo.printer.state import State
+
+_log = logging.getLogger(__name__)
+
+_HOST_S = 1.0  # between two readings of this computer's temperature
+_LASTS_S = 1.0  # a fault counts after this time
+FaultKind = Literal["", "open", "short", "low", "high"]
+
+
+@dataclass(frozen=True, slots=True)
+class SensorFault:
+    """A sensor without a heater is broken, or reads a temperature beyond `limit`. `str()` gives a
+    message with the next action."""
+
+    sensor: str
+    kind: FaultKind
+    celsius: float
+    limit: float
+
+    @property
+    def problem(self) -> Problem:
+        """The fault as a problem of the catalogue."""
+        values = {"axis": self.sensor, "value": self.celsius, "limit": self.limit}
+        return Problem(f"sensor.{self.kind}", values=values)
+
+    def __str__(self) -> str:
+        """The message of the fault."""
+        return str(self.problem)
+
+
+class _Seen:
+    """What has been seen of one sensor."""
+
+    def __init__(self) -> None:
+        self.reading = Reading(None)
+        self.lowest_c: float | None = None
+        self.highest_c: float | None = None
+        self.kind: FaultKind = ""  # of the last reading
+        self.since_s = 0.0  # host time since which it has been of this kind
+        self.fault: FaultKind = ""  # that has been reported
+
+
+class SensorWatch:
+    """The temperature sensors of one printer that no heater uses. `halt` halts the printer, for a
+    sensor whose faults do."""
+
+    def __init__(self, rig: LiveRig, state: State, halt: Callable[[PassoError, str], None]) -> None:
+        self._rig, self._state, self._halt = rig, state, halt
+        self._sensors = rig.machine.sensors
+        self._seen = {name: _Seen() for name in self._sensors}
+        self._host_s = -_HOST_S
+
+    def time_passed(self) -> None:
+        """Reads the sensors, and handles faults that last."""
+        now_s = asyncio.get_running_loop().time()
+        host = now_s >= self._host_s + _HOST_S
+        if host:
+            self._host_s = now_s
+        for name, shown in self._sensors.items():
+            seen = self._seen[name]
+            broken: Broken = ""
+            if isinstance(shown.sensor, HostSensor):
+                if host:
+                    seen.reading = _of_host(shown.sensor)
+            else:
+                seen.reading, broken = self._rig.connection.sensor(name, self._rig.queue.board_now)
+            self._take(name, shown, seen, broken, now_s)
+
+    def _take(
+        self,
+        name: str,
+        shown: ShownSensor,
+        seen: _Seen,
+        broken: Broken,
+        now_s: float,
+    ) -> None:
+        celsius = seen.reading.current_c
+        if celsius is None:
+            return
+        kind = _kind_of(shown, celsius, broken)
+        if kind != seen.kind:
+            seen.kind, seen.since_s = kind, now_s
+        if not broken:
+            seen.lowest_c = min(celsius, celsius if seen.lowest_c is None else seen.lowest_c)
+            seen.highest_c = max(celsius, celsius if seen.highest_c is None else seen.highest_c)
+        if kind != seen.fault and (not kind or now_s >= seen.since_s + _LASTS_S):
+            seen.fault = kind
+            if kind:
+                limit = shown.min_c if kind == "low" else shown.max_c
+                self._failed(shown, SensorFault(name, kind, celsius, limit))
+
+    def _failed(self, shown: ShownSensor, fault: SensorFault) -> None:
+        if self._state.halted:
+            return
+        if shown.on_fault == "machine":
+            self._halt(MachineError([fault.problem]), fault.problem.sentence)
+            return
+        self._state.announce(_log, logging.WARNING, str(fault), fault.problem)
+
+    def celsius(self, name: str) -> float | None:
+        """The temperature of a sensor now; None if it is unknown or broken."""
+        seen = self._seen[name]
+        return None if seen.kind in ("open", "short") else seen.reading.current_c
+
+    def broken(self, name: str) -> SensorFault | None:
+        """The fault of a broken sensor, once it has been reported."""
+        seen, shown = self._seen[name], self._sensors[name]
+        if seen.fault not in ("open", "short"):
+            return None
+        return SensorFault(name, seen.fault, seen.reading.number_c, shown.max_c)
+
+    def status(self) -> dict[str, SensorStatus]:
+        """The status of all sensors, by their names."""
+        return {
+            name: SensorStatus(
+                None if seen.kind in ("open", "short") else seen.reading.celsius,
+                seen.lowest_c,
+                seen.highest_c,
+                seen.fault,
+                seen.reading.age_s,
+            )
+            for name, seen in self._seen.items()
+        }
+
+
+def _of_host(sensor: HostSensor) -> Reading:
+    with suppress(OSError, ValueError):
+        return Reading(int(Path(sensor.path).read_text(encoding="ascii")) / 1000)
+    return Reading(None)
+
+
+def _kind_of(shown: ShownSensor, celsius: float, broken: Broken) -> FaultKind:
+    if broken:
+        return broken
+    if celsius < shown.min_c:
+        return "low"
+    return "high" if celsius > shown.max_c else ""
