@@ -27,7 +27,7 @@ def main() -> int:
     for path in [*(files or sorted(folder.glob("*.cfg"))), *sorted(others)]:
         total += 1
         try:
-            draft = imported(path, skip_missing=True)
+            draft = imported(path)
             machine = config.load_text(draft.text(path.name), path.name)
         except ConfigError as error:
             rows.append((path.name, "no", "", "", "", error.problems[0].sentence))

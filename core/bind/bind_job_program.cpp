@@ -171,7 +171,7 @@ void bind_job_program(nb::module_& m, JobClass& job) {
       .def_prop_ro(
           "retraction",
           [](ModesPart& self) {
-            Interpreter::Retraction r = self.job.interpreter.retraction();
+            Retraction r = self.job.interpreter.retraction();
             return std::make_tuple(r.mm, r.feed_mm_s, r.hop_mm, r.recover_mm, r.recover_feed_mm_s,
                                    r.swap_mm, r.swap_recover_mm);
           },

@@ -100,6 +100,14 @@ Machine machine_of(const nb::dict& spec) {
                            get<double>(budget, "commits_s")});
     }
   }
+  if (spec.contains("retraction")) {
+    const nb::dict found = get<nb::dict>(spec, "retraction");
+    m.retraction.mm = get<double>(found, "length");
+    m.retraction.feed_mm_s = get<double>(found, "speed");
+    m.retraction.hop_mm = get<double>(found, "hop");
+    m.retraction.recover_mm = get<double>(found, "extra");
+    m.retraction.recover_feed_mm_s = get<double>(found, "return_speed");
+  }
   if (spec.contains("motor_letters")) m.motor_letters = get<std::string>(spec, "motor_letters");
   if (spec.contains("macros")) {
     nb::dict macros = get<nb::dict>(spec, "macros");

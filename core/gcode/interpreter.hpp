@@ -192,10 +192,6 @@ class Interpreter {
   // G11 will not return the filament that G10 has retracted before.
   void forget_retraction();
   // M207 and M208.
-  struct Retraction {
-    double mm = 3, feed_mm_s = 45, hop_mm = 0, recover_mm = 0, recover_feed_mm_s = 0;
-    double swap_mm = 13, swap_recover_mm = 0;
-  };
   const Retraction& retraction() const { return retraction_; }
   bool auto_retract() const { return auto_retract_; }                 // M209
   bool volumetric() const { return volumetric_; }                     // M200

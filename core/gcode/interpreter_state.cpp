@@ -12,7 +12,7 @@ Interpreter::Interpreter(const Machine& machine, std::vector<double> home, const
       extruder_(machine.extruders.size(), 0.0), filament_(machine.extruders.size()),
       diameter_(machine.extruders.size(), kUsualMm),
       change_(machine.extruders.size(), Change{100, 100}), drawn_(machine.extruders.size()),
-      strands_(machine.extruders.size()) {
+      strands_(machine.extruders.size()), retraction_(machine.retraction) {
   std::fill(std::begin(letter_slot_), std::end(letter_slot_), int8_t(-1));
   for (size_t i = 0; i < machine.axes.size(); ++i)
     letter_slot_[machine.axes[i].letter - 'A'] = int8_t(slot_of_axis(int(i)));

@@ -1,4 +1,5 @@
-// CoreXY, CoreXZ and CoreYZ: two belts move two axes together, A = u + v, B = u - v.
+// CoreXY, CoreXZ and CoreYZ: two belts move two axes together, A = u + v, B = u - v. Hybrids have
+// one such belt, A = u - v, and a motor for v alone.
 #pragma once
 #include "geometry/linear.hpp"
 
@@ -7,6 +8,12 @@ namespace passo {
 inline LinearGeometry core_xy() {
   return LinearGeometry({{1, 1, 0}, {1, -1, 0}, {0, 0, 1}},
                         {{0.5, 0.5, 0}, {0.5, -0.5, 0}, {0, 0, 1}});
+}
+inline LinearGeometry hybrid_core_xy() {
+  return LinearGeometry({{1, -1, 0}, {0, 1, 0}, {0, 0, 1}}, {{1, 1, 0}, {0, 1, 0}, {0, 0, 1}});
+}
+inline LinearGeometry hybrid_core_xz() {
+  return LinearGeometry({{1, 0, -1}, {0, 1, 0}, {0, 0, 1}}, {{1, 0, 1}, {0, 1, 0}, {0, 0, 1}});
 }
 inline LinearGeometry core_xz() {
   return LinearGeometry({{1, 0, 1}, {0, 1, 0}, {1, 0, -1}},

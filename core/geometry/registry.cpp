@@ -22,6 +22,8 @@ std::unique_ptr<Geometry> rectangular(const std::string& kind, const GeometryPar
   if (kind == "corexy") return std::make_unique<LinearGeometry>(core_xy());
   if (kind == "corexz") return std::make_unique<LinearGeometry>(core_xz());
   if (kind == "coreyz") return std::make_unique<LinearGeometry>(core_yz());
+  if (kind == "hybrid_corexy") return std::make_unique<LinearGeometry>(hybrid_core_xy());
+  if (kind == "hybrid_corexz") return std::make_unique<LinearGeometry>(hybrid_core_xz());
   if (kind == "delta")
     return std::make_unique<Delta>(number("radius"), list("rods"), list("angles"),
                                    number("limit_radius"));

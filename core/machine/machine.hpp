@@ -99,6 +99,13 @@ struct Macros {
   }
 };
 
+// Retraction by G10 and G11, until M207 and M208 set another one: lengths of filament, speeds, and
+// the rise of Z. A recover speed of 0 is that of the retraction; `swap_mm` is for a change of tools.
+struct Retraction {
+  double mm = 3, feed_mm_s = 45, hop_mm = 0, recover_mm = 0, recover_feed_mm_s = 0;
+  double swap_mm = 13, swap_recover_mm = 0;
+};
+
 struct Machine {
   std::string name;
   double clock_hz;
@@ -115,6 +122,7 @@ struct Machine {
   std::shared_ptr<const HeightMap> height_map;  // none: the bed is flat
   Filters filters;
   Macros macros;
+  Retraction retraction;
   std::string motor_letters;  // of actuators that are not axes: G1 moves them, too
   bool joints = false;        // homing: X, Y, Z hold the positions of the first three actuators
 

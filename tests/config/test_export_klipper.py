@@ -150,7 +150,7 @@ def test_sensors_come_before_heaters_and_losses_are_named() -> None:
 
 
 def test_other_geometries_are_refused() -> None:
-    with pytest.raises(ConfigError, match="Passo exports cartesian, corexy, corexz, delta"):
+    with pytest.raises(ConfigError, match="Passo exports cartesian, corexy, corexz, hybrid"):
         exported(config.load("scara"))
 
 

@@ -13,6 +13,8 @@ from passo.config.importing.draft import Draft, Place
 from passo.config.importing.formats import imported
 from passo.config.importing.settling import settle
 from passo.errors import ConfigError
+from passo.job.mesh_folder import MeshFolder
+from passo.job.settings_store import Store
 
 HOST = "[mcu rpi]\nserial: /tmp/klipper_host_mcu\n"
 
@@ -143,21 +145,27 @@ def test_every_draft_becomes_valid_or_names_a_place() -> None:
     assert ("colour",) not in draft.keys
 
 
-def test_missing_includes_are_listed_together_or_skipped(
+def test_import_goes_on_without_files_that_are_missing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("printer.cfg").write_text(f"[include a.cfg]\n[include sub/b.cfg]\n{BASE}")
-    assert main(["import", "printer.cfg", "--output", "mine.toml"]) == 3
-    shown = capsys.readouterr().err
-    assert "printer.cfg:1: the included file 'a.cfg'" in shown
-    assert "printer.cfg:2: the included file 'sub/b.cfg'" in shown
-    skip = ["import", "printer.cfg", "--output", "mine.toml", "--missing-includes", "skip"]
-    assert main(skip) == 0
-    text = "printer.cfg:1, 2: [include a.cfg]; [include sub/b.cfg]: the file is missing"
-    assert text in capsys.readouterr().out
+    Path("printer.cfg").write_text(f"[include a.cfg]\n[include sub/mainsail.cfg]\n{BASE}")
+    assert main(["import", "printer.cfg", "--output", "mine.toml"]) == 0
+    decide, changed = capsys.readouterr().out.split("Changed:")
+    assert "printer.cfg:1: [include a.cfg]: the file is missing" in decide
+    text = "printer.cfg:2: [include sub/mainsail.cfg]: PAUSE, RESUME and CANCEL_PRINT are always"
+    assert text in changed
     assert main(["check", "mine.toml"]) == 0
     capsys.readouterr()
+
+
+def test_missing_files_are_named_if_the_machine_cannot_move(tmp_path: Path) -> None:
+    path = tmp_path / "printer.cfg"
+    path.write_text("[include printer_part.cfg]\n[include mainsail.cfg]\n[extruder]\n")
+    with pytest.raises(ConfigError) as caught:
+        imported(path)
+    codes = [(problem.code, problem.values["value"]) for problem in caught.value.problems]
+    assert codes == [("import.section", "printer"), ("import.missing", "printer_part.cfg")]
 
 
 def test_board_of_the_command_line_counts(
@@ -171,21 +179,81 @@ def test_board_of_the_command_line_counts(
     assert "there is no board 'octopod'. Did you mean 'octopus'?" in capsys.readouterr().err
 
 
-def test_settings_are_commands_of_the_report(load) -> None:
+def test_retraction_fade_and_idle_times_are_taken_over(load) -> None:
     more = "[firmware_retraction]\nretract_length: 0.8\nretract_speed: 40\n[probe]\npin: PC14\n"
     more += "[bed_mesh]\nmesh_min: 10, 10\nmesh_max: 200, 200\nfade_end: 10\nadaptive_margin: 8\n"
+    more += "faulty_region_1_min: 50, 60\nfaulty_region_1_max: 70, 80\n"
     more += "zero_reference_position: 110, 120\n[idle_timeout]\ntimeout: 900\ngcode: M117 idle\n"
-    draft, machine = load(
-        more=f"{more}#*# <---------------------- SAVE_CONFIG ----------------------"
-        ">\n#*# [bed_mesh default]\n#*# version = 1\n#*# points =\n#*# \t  0.1, 0.2\n"
-    )
-    found = "\n".join(remarks(draft, "decide"))
-    assert "M207 S0.8 F2400 and M208 S0 F600 set them" in found
-    assert "fade_end: the fade is not in the machine file: M420 Z10 sets it" in found
-    assert "[bed_mesh default]: the stored heights are not taken over" in found
+    draft, machine = load(("max_temp: 250", "max_temp: 250\nmin_extrude_temp: 150"), more=more)
+    assert remarks(draft, "decide") == []
+    retraction = machine.retraction
+    assert (retraction.length_mm, retraction.speed_mm_s, retraction.return_mm_s) == (0.8, 40, 10)
     assert (machine.idle.motors_off_s, machine.idle.heaters_off_s) == (900, 900)
+    idle = machine.delayed_gcode["idle_timeout"]
+    assert (idle.gcode, idle.when_idle) == ("M117 idle", True)
     levelling = machine.levelling
-    assert (levelling.margin_mm, levelling.reference) == (8, [110, 120])
+    assert (levelling.margin_mm, levelling.reference, levelling.fade_mm) == (8, [110, 120], 10)
+    assert levelling.avoid == [[50, 60, 70, 80]]
+    assert machine.limits.min_extrude_c == 150
+
+
+STORED = """[probe]
+pin: PC14
+#*# <---------------------- SAVE_CONFIG ---------------------->
+#*# [bed_mesh default]
+#*# version = 1
+#*# points =
+#*# \t  0.1, 0.2, 0.3
+#*# \t  0.4, 0.5, 0.6
+#*# min_x = 10.0
+#*# max_x = 200.0
+#*# min_y = 20.0
+#*# max_y = 210.0
+#*# [skew_correction my]
+#*# xy_skew = 0.001
+"""
+
+
+def test_stored_meshes_and_skews_go_to_the_state_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("printer.cfg").write_text(BASE + STORED)
+    assert main(["import", "printer.cfg", "--output", "mine.toml", "--state", "state"]) == 0
+    shown = capsys.readouterr().out
+    assert "BED_MESH_PROFILE LOAD=default uses it" in shown
+    assert "state: stored mesh default, SKEW_PROFILE SET=my XY=0.001" in shown
+    mesh = MeshFolder(tmp_path / "state/meshes").named("default").mesh
+    assert (mesh.xs, mesh.ys) == ((10, 105, 200), (20, 210))
+    assert mesh.heights == ((0.1, 0.2, 0.3), (0.4, 0.5, 0.6))
+    machine = config.load("mine.toml")
+    stored = Store(tmp_path / "state/settings.json", machine.uuid).load()
+    assert [str(one.setting) for one in stored or []] == [
+        "SKEW_PROFILE SET=my XY=0.001000000",
+        "SKEW_PROFILE SET=my XZ=0.000000000",
+        "SKEW_PROFILE SET=my YZ=0.000000000",
+    ]
+
+
+@pytest.mark.parametrize(
+    "kind",
+    ["hybrid_corexy", "hybrid_corexz"],
+)
+def test_hybrid_machines_keep_the_motor_of_one_axis(load, kind: str) -> None:
+    _, machine = load(("kinematics: cartesian", f"kinematics: {kind}"))
+    assert (machine.geometry.kind, list(machine.steppers)[:2]) == (kind, ["a", "y"])
+    other = "y" if kind.endswith("y") else "z"
+    point = dict(zip("xyz", (30.0, 20.0, 5.0), strict=True))
+    assert machine.geometry.inverse((30.0, 20.0, 5.0)) == (30 - point[other], 20, 5)
+
+
+def test_driver_on_a_spi_unit_gets_the_pins_of_the_unit(load) -> None:
+    more = "[tmc5160 stepper_x]\ncs_pin: PC9\nspi_bus: spi2\nrun_current: 0.8\n"
+    draft, machine = load(more=more)
+    tmc = machine.steppers["x"].tmc
+    assert tmc is not None
+    assert (tmc.miso_pin, tmc.mosi_pin, tmc.clock_pin) == ("PB14", "PB15", "PB13")
+    assert "its pins are PB14, PB15, PB13" in "\n".join(remarks(draft, "changed"))
 
 
 def test_constants_of_kalico_are_filled_in(load) -> None:
@@ -242,7 +310,7 @@ value: 1
 axes: x,y
 [tmc5160 stepper_x]
 cs_pin: PC9
-spi_bus: spi1
+spi_bus: spi9
 run_current: 0.8
 [fan_generic both]
 pin: multi_pin:both
@@ -261,7 +329,7 @@ def test_parts_that_macros_name_are_kept_for_them(load) -> None:
     assert {name: dict(options) for name, options in machine.klipper.items()} == {
         "output_pin lock": {"pin": "sx1509_duex:PIN_7", "value": "1"},
         "motors_sync": {"axes": "x,y"},
-        "tmc5160 stepper_x": {"cs_pin": "PC9", "spi_bus": "spi1", "run_current": "0.8"},
+        "tmc5160 stepper_x": {"cs_pin": "PC9", "spi_bus": "spi9", "run_current": "0.8"},
         "fan_generic both": {"pin": "multi_pin:both"},
         "idle_timeout": {"gcode": "PARK"},
         "virtual_sdcard": {"path": "~/gcodes", "on_error_gcode": "CANCEL"},

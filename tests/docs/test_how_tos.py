@@ -148,7 +148,7 @@ def test_added_geometry_compiles_and_agrees_with_its_model(copy):
     (copy / "main.cpp").write_text(
         '#include <cstdio>\n#include "geometry/registry.hpp"\n'
         "int main() {\n"
-        '  auto g = passo::make_geometry("hybrid_corexy", {});\n'
+        '  auto g = passo::make_geometry("markforged", {});\n'
         "  double p[3] = {30, 20, 5}, q[3], back[3];\n"
         "  for (int i = 0; i < 3; ++i) q[i] = g->inverse(i, p);\n"
         "  g->forward(q, back);\n"
@@ -157,7 +157,7 @@ def test_added_geometry_compiles_and_agrees_with_its_model(copy):
     core = compiled(copy, ["core/geometry/registry.cpp", "core/geometry/track.cpp"])
     code = (
         "from pydantic import TypeAdapter\nfrom passo.geometry.registry import AnyGeometry\n"
-        'g = TypeAdapter(AnyGeometry).validate_python({"kind": "hybrid_corexy"})\n'
+        'g = TypeAdapter(AnyGeometry).validate_python({"kind": "markforged"})\n'
         "q = g.inverse((30.0, 20.0, 5.0))\n"
         'print(*(f"{v:g}" for v in (*q, *g.forward(q))), end="")'
     )
@@ -166,7 +166,7 @@ def test_added_geometry_compiles_and_agrees_with_its_model(copy):
         [sys.executable, "-S", "-c", code], env=environment, capture_output=True, text=True
     )
     assert (model.stdout, model.stderr) == (core, "")
-    assert core == "10 20 5 30 20 5"
+    assert core == "50 20 5 30 20 5"
 
 
 MAIN = """

@@ -77,3 +77,51 @@ def test_a_host_that_has_gone_is_not_warmed_for(s):
     other.session.close()
     s.passes(60)
     assert targets(s)["hotend"] == 0
+
+
+IDLE = """
+[idle]
+heaters_off_s = 60.0
+motors_off_s = 60.0
+[delayed_gcode.rest]
+when_idle = true
+gcode = '''
+G91
+G1 X5 F600
+G90
+M117 rests'''
+"""
+
+
+@pytest.fixture
+def idle():
+    text = config.shipped_text("i3") + IDLE
+    with Scenario(config.load_text(text)) as scenario:
+        for line in ("G92 X30 Y0 Z0 E0", "M140 S40", "G1 X40 F6000", "M400"):
+            scenario.host.ok(line, 300)
+        yield scenario
+
+
+def test_gcode_of_an_idle_printer_runs_once_until_it_moves(idle):
+    start = idle.positions()["x"]
+    idle.passes(50)
+    assert idle.positions()["x"] == pytest.approx(start)
+    idle.passes(20)
+    assert idle.positions()["x"] == pytest.approx(start + 5)
+    assert targets(idle)["bed"] == 0
+    idle.passes(300)
+    assert idle.positions()["x"] == pytest.approx(start + 5)
+    idle.host.ok("G92 X0", 60)
+    idle.passes(70)
+    assert idle.positions()["x"] == pytest.approx(start + 10)
+
+
+def test_set_idle_timeout_counts_until_the_restart(idle):
+    start = idle.positions()["x"]
+    idle.host.ok("SET_IDLE_TIMEOUT TIMEOUT=200", 60)
+    idle.passes(150)
+    assert targets(idle)["bed"] == 40
+    idle.passes(60)
+    assert targets(idle)["bed"] == 0
+    assert idle.positions()["x"] == pytest.approx(start + 5)
+    idle.host.send("SET_IDLE_TIMEOUT TIMEOUT=0").expect("more than 0 s")

@@ -55,6 +55,26 @@ def _coreyz_forward(_, positions):
     return x, (a + b) / 2, (a - b) / 2
 
 
+def _hybrid_xy_inverse(_, point):
+    x, y, z = point
+    return x - y, y, z
+
+
+def _hybrid_xy_forward(_, positions):
+    a, y, z = positions
+    return a + y, y, z
+
+
+def _hybrid_xz_inverse(_, point):
+    x, y, z = point
+    return x - z, y, z
+
+
+def _hybrid_xz_forward(_, positions):
+    a, y, z = positions
+    return a + z, y, z
+
+
 def _delta_inverse(m, point):
     """Height of carriage i: z + √(rod_i² - (tower_x - x)² - (tower_y - y)²)."""
     x, y, z = point
@@ -216,6 +236,8 @@ _INVERSE = {
     "corexy": _corexy_inverse,
     "corexz": _corexz_inverse,
     "coreyz": _coreyz_inverse,
+    "hybrid_corexy": _hybrid_xy_inverse,
+    "hybrid_corexz": _hybrid_xz_inverse,
     "delta": _delta_inverse,
     "rotary_delta": _rotary_inverse,
     "scara": _scara_inverse,
@@ -226,6 +248,8 @@ _FORWARD = {
     "corexy": _corexy_forward,
     "corexz": _corexz_forward,
     "coreyz": _coreyz_forward,
+    "hybrid_corexy": _hybrid_xy_forward,
+    "hybrid_corexz": _hybrid_xz_forward,
     "delta": _delta_forward,
     "rotary_delta": _rotary_forward,
     "scara": _scara_forward,

@@ -20,7 +20,7 @@ IMPORT: Mapping[str, Entry] = {
     ),
     "import.missing": _import(
         "the included file {value!r} is not in {limit}",
-        "Copy it there, or import without it: --missing-includes skip",
+        "Copy it there",
     ),
     "import.size": _import(
         "the files together have more than {limit} bytes", "Give the configuration of one printer"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from passo.errors import ConfigError, ExitStatus, InputError
 
 if TYPE_CHECKING:
-    from passo.config.importing.draft import Remark
+    from passo.config.importing.draft import Draft, Remark
 
 _HEADINGS = {"decide": "To decide", "changed": "Changed", "dropped": "Not taken over"}
 
@@ -38,10 +38,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="the main board, by its name in `passo firmware list`; default: the one in FILE",
     )
     parser.add_argument(
-        "--missing-includes",
-        choices=("refuse", "skip"),
-        default="refuse",
-        help="skip: import a printer.cfg without the included files that do not exist",
+        "--state",
+        metavar="DIR",
+        help="store the meshes and skews of the file there, for `passo serve --state DIR`",
     )
     parser.add_argument(
         "--report", metavar="FILE", help="write the report there, not on the terminal"
@@ -64,8 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
         hint = did_you_mean(board, shipped_boards())
         raise ConfigError.of("import.no-board", hint=hint, value=board)
     stored = Path(arguments.stored) if arguments.stored else None
-    skip = arguments.missing_includes == "skip"
-    draft = imported(source, stored, board=board, skip_missing=skip)
+    draft = imported(source, stored, board=board)
     text = draft.text(f"Made by `passo import` from {source.name}. Each value names its line.")
     report = _report(draft.remarks)
     _write(output, text)
@@ -73,9 +71,38 @@ def run(arguments: argparse.Namespace) -> int:
         _write(Path(arguments.report), report)
     else:
         print(report, end="")
+    if arguments.state:
+        _store(draft, Path(arguments.state))
     print(f"{output}: written, {len(draft.keys)} values.", end=" ")
     print(f"Next: passo serve --machine {output}")
     return ExitStatus.DONE
+
+
+def _store(draft: Draft, folder: Path) -> None:
+    """Stores meshes and settings as a served printer does. Raises CommandError."""
+    from passo.job.mesh_folder import MeshFolder
+    from passo.job.settings_store import Override, Store, settings_in
+    from passo.levelling.mesh import Mesh
+    from passo.levelling.mesh_files import StoredMesh
+
+    meshes = MeshFolder(folder / "meshes")
+    for one in draft.meshes:
+        heights = tuple(map(tuple, one.heights_mm))
+        xs, ys = (
+            tuple(low + (high - low) * i / (count - 1) for i in range(count))
+            for (low, high), count in ((one.x_mm, len(heights[0])), (one.y_mm, len(heights)))
+        )
+        surface = "bicubic" if one.bicubic else "bilinear"
+        meshes.save(StoredMesh(one.name, Mesh(xs, ys, heights), interpolation=surface))
+    if draft.commands:
+        folder.mkdir(parents=True, exist_ok=True)
+        store = Store(folder / "settings.json", str(draft.keys["uuid",][0]))
+        new = [Override(setting) for setting in settings_in(draft.commands)]
+        keys = {override.setting.key for override in new}
+        old = [one for one in store.load() or [] if one.setting.key not in keys]
+        store.save([*old, *new])
+    stored = [*(f"mesh {one.name}" for one in draft.meshes), *draft.commands]
+    print(f"{folder}: stored {', '.join(stored) or 'nothing'}.")
 
 
 def _report(remarks: list[Remark]) -> str:

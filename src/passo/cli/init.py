@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _Value = TypeVar("_Value", str, float)
 _GUIDE = "\nEnter alone takes the value in brackets. Ctrl-C ends this without a file.\n"
 # geometries with an independent travel for each axis
-_STRAIGHT = ("cartesian", "corexy", "corexz", "coreyz")
+_STRAIGHT = ("cartesian", "corexy", "corexz", "coreyz", "hybrid_corexy", "hybrid_corexz")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -24,6 +24,7 @@ from passo.config.motion import (
     Idle,
     Limits,
     Park,
+    Retraction,
     Shaping,
     Stepper,
     Steppers,
@@ -97,6 +98,8 @@ class MachineConfig(Model):
     """Homing of an axis, a carriage or an arm. An axis without this table has no endstop."""
     park: Park | None = Field(default_factory=Park)
     """The position of the nozzle during a pause."""
+    retraction: Retraction = Field(default_factory=Retraction)
+    """The retraction of G10 and G11."""
     moves: dict[Name, PredefinedMove] = {}
     """Moves to places, by name, which MOVE_TO, homing or probing makes."""
     idle: Idle = Field(default_factory=Idle)
@@ -341,6 +344,7 @@ class MachineConfig(Model):
             ),
             "steppers": self._steppers_spec(),
             "limits": self._limits_spec(),
+            "retraction": self._retraction_spec(),
             "filters": self._filters_spec(),
             "budgets": self._budgets_spec(),
             "laser": self._laser_spec(),
@@ -458,6 +462,16 @@ class MachineConfig(Model):
             "shaped": [extruder.shaped for extruder in extruders],
             "box_s": box_s(self.largest_accel_mm_s2, self.limits.jerk_mm_s3 or 0.0),
             "gaps": [(mm, self.backlash.smooth_mm) for mm in self.gaps_mm.values()],
+        }
+
+    def _retraction_spec(self) -> dict[str, Any]:
+        found = self.retraction
+        return {
+            "length": found.length_mm,
+            "speed": found.speed_mm_s,
+            "hop": found.hop_mm,
+            "extra": found.extra_mm,
+            "return_speed": found.return_mm_s or 0.0,
         }
 
     def _limits_spec(self) -> dict[str, Any]:

@@ -60,3 +60,5 @@ class DelayedGcode(Model):
     """The template, in the same language as that of a macro."""
     initial_duration_s: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     """The delay from the start of the printer. With 0, it runs only after UPDATE_DELAYED_GCODE."""
+    when_idle: bool = False
+    """Whether it also runs once when the printer has been idle for `idle.heaters_off_s`."""

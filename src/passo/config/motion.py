@@ -264,6 +264,21 @@ class Park(Model):
     """The speed of this filament."""
 
 
+class Retraction(Model):
+    """The retraction of G10 and G11, until M207 and M208 set another one."""
+
+    length_mm: _PushedMm = 3.0
+    """The filament that G10 retracts (M207 S)."""
+    speed_mm_s: Speed = 45.0
+    """The speed of G10 (M207 F)."""
+    hop_mm: NotNegative = 0.0
+    """The rise of Z after G10 (M207 Z)."""
+    extra_mm: Annotated[float, Field(ge=-1000, le=1000)] = 0.0
+    """The filament that G11 returns in addition (M208 S)."""
+    return_mm_s: Speed | None = None
+    """The speed of G11 (M208 F). If not given, that of G10."""
+
+
 class Idle(Model):
     """Timeouts of an idle machine. Motors stay on while a heater has a target."""
 
@@ -307,6 +322,9 @@ class Limits(Model):
     minimum_cruise_ratio: Annotated[float, Field(ge=0, lt=1)] = 0.0
     """At least this fraction of a move is at constant speed, as in Klipper. A move of Z or of the
     extruder that accelerates with less than the rest of `print_accel_mm_s2` need not be."""
+    min_extrude_c: Annotated[float, Field(ge=0, le=1000)] = 170.0
+    """Filament does not move while its hotend is colder than this (M302 S); with 0 it always
+    moves."""
     least_speed_gain: Fraction = 0.0
     """A move that could exceed the speed at its ends by less than this fraction keeps that
     speed."""

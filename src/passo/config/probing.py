@@ -72,6 +72,8 @@ class Levelling(Model):
     reference: Pair | None = None
     """X and Y of the place where the mesh is 0, so that Z 0 there is that of the endstop. If not
     given, the mesh has the heights that the probe measures."""
+    fade_mm: Annotated[float, Field(ge=0, le=1000)] = 0.0
+    """The height at which the correction has faded out (M420 Z); with 0 it does not fade."""
     avoid: list[Area] = []
     """Rectangles in which the probe cannot measure: X and Y of two corners, in mm. A mesh point in
     such a rectangle gets the mean of heights measured around it."""

@@ -1,4 +1,5 @@
-"""CoreXY, CoreXZ, CoreYZ: two motors move two axes together, A = u + v and B = u - v."""
+"""CoreXY, CoreXZ, CoreYZ: two motors move two axes together, A = u + v and B = u - v. Hybrids: one
+belt A = u - v, and a motor for v alone."""
 
 from __future__ import annotations
 
@@ -32,6 +33,22 @@ class CoreXY(CoreBelts):
     actuators = ("a", "b", "z")
     kind: Literal["corexy"]
     """Crossed belts: A = X + Y, B = X − Y."""
+
+
+class HybridCoreXY(CoreBelts):
+    """A = X - Y."""
+
+    actuators = ("a", "y", "z")
+    kind: Literal["hybrid_corexy"]
+    """One crossed belt: A = X − Y; motors of Y and Z."""
+
+
+class HybridCoreXZ(CoreBelts):
+    """A = X - Z."""
+
+    actuators = ("a", "y", "z")
+    kind: Literal["hybrid_corexz"]
+    """One crossed belt: A = X − Z; motors of Y and Z."""
 
 
 class CoreXZ(CoreBelts):

@@ -8,15 +8,25 @@ from typing import Annotated
 from pydantic import Field
 
 from passo.geometry.cartesian import Cartesian
-from passo.geometry.core_belts import CoreXY, CoreXZ, CoreYZ
+from passo.geometry.core_belts import CoreXY, CoreXZ, CoreYZ, HybridCoreXY, HybridCoreXZ
 from passo.geometry.delta import Delta
 from passo.geometry.dual_scara import DualScara
 from passo.geometry.rotary_delta import RotaryDelta
 from passo.geometry.scara import Scara
 
-GEOMETRIES = (Cartesian, CoreXY, CoreXZ, CoreYZ, Delta, RotaryDelta, Scara, DualScara)
+_BELTS = (CoreXY, CoreXZ, CoreYZ, HybridCoreXY, HybridCoreXZ)
+GEOMETRIES = (Cartesian, *_BELTS, Delta, RotaryDelta, Scara, DualScara)
 
 AnyGeometry = Annotated[
-    Cartesian | CoreXY | CoreXZ | CoreYZ | Delta | RotaryDelta | Scara | DualScara,
+    Cartesian
+    | CoreXY
+    | CoreXZ
+    | CoreYZ
+    | HybridCoreXY
+    | HybridCoreXZ
+    | Delta
+    | RotaryDelta
+    | Scara
+    | DualScara,
     Field(discriminator="kind"),
 ]

@@ -40,6 +40,7 @@ from passo.levelling.mesh_files import MeshStore
 from passo.printer.background_gcode import BackgroundGcode
 from passo.printer.commands.reports import Reports
 from passo.printer.delayed_gcode import DelayedGcode
+from passo.printer.idle_gcode import IdleGcode
 from passo.printer.printer import Printer
 from passo.printer.program_restart import ProgramRestart
 from passo.printer.unfit_commands import NOTHING, Skips
@@ -148,6 +149,8 @@ def _furnish(
     by_event = PrintPause(printer.control, runner, pause, background)
     FilamentRunout(*(printer.control, filament, runner, by_event, background), printer.lifetime)
     ButtonActions(printer.control, buttons, runner, by_event, background)
+    if any(one.when_idle for one in printer.machine.delayed_gcode.values()):
+        IdleGcode(printer.control, printer.outputs.motors, background, printer.lifetime)
     objects = PrintObjects(printer.rig, printer.dispatch, runner)
     restart = None
     if restarts is not None:

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from passo import _core
     from passo.config.machine import MachineConfig
 
-COLD_C = 170.0  # filament does not move below this temperature, unless M302 sets another one
 # Readings of such a sensor, for example 400 °C of a short circuit, are not valid.
 _NO_TEMPERATURE = (FaultKind.SENSOR_OPEN, FaultKind.SENSOR_SHORT, FaultKind.SENSOR_ERRATIC)
 
@@ -26,8 +25,9 @@ class ColdExtrusion:
 
     def __init__(self, machine: MachineConfig) -> None:
         self._machine = machine
-        self.cold_c = COLD_C
-        self._allowed: set[str] = set()  # hotends whose filament may move cold
+        self.cold_c = machine.limits.min_extrude_c
+        # hotends whose filament may move cold
+        self._allowed: set[str] = set[str]() if self.cold_c else set(self.hotends)
 
     @property
     def hotends(self) -> list[str]:

@@ -26,6 +26,8 @@ _STEPPERS = {
     "cartesian": {"x": "x", "y": "y", "z": "z"},
     "corexy": {"a": "x", "b": "y", "z": "z"},
     "corexz": {"a": "x", "y": "y", "b": "z"},
+    "hybrid_corexy": {"a": "x", "y": "y", "z": "z"},
+    "hybrid_corexz": {"a": "x", "y": "y", "z": "z"},
     "delta": {"a": "a", "b": "b", "c": "c"},
 }
 _COMMENT = re.compile(r"\{#-?(.*?)-?#\}([^\n]*)", re.DOTALL)
@@ -233,6 +235,7 @@ def _put_extruder(cfg: Cfg, name: str, section: str) -> None:
         filament_diameter=float(own.get("filament_diameter", _FILAMENT_MM)),
         max_extrude_only_velocity=extruder.speed_mm_s,
         max_extrude_only_accel=extruder.accel_mm_s2,
+        min_extrude_temp=cfg.machine.limits.min_extrude_c,
         instantaneous_corner_velocity=extruder.jerk_mm_s,
         pressure_advance=extruder.advance_s,
         pressure_advance_smooth_time=extruder.advance_smooth_s,
@@ -315,6 +318,7 @@ def _put_mesh(cfg: Cfg) -> None:
         algorithm="bicubic" if bicubic and min(levelling.count) > 3 else "lagrange",
         speed=probe.travel_mm_s if probe else None,
         horizontal_move_z=probe.start_mm if probe else None,
+        fade_end=levelling.fade_mm,
         adaptive_margin=levelling.margin_mm,
         zero_reference_position=", ".join(f"{mm:g}" for mm in levelling.reference or []) or None,
     )
@@ -344,6 +348,16 @@ def _put_commands(cfg: Cfg) -> None:
     cfg.put("force_move", enable_force_move=True)
     if cfg.machine.idle.motors_off_s:
         cfg.put("idle_timeout", timeout=cfg.machine.idle.motors_off_s)
+    retraction = cfg.machine.retraction
+    cfg.put(
+        "firmware_retraction",
+        retract_length=retraction.length_mm,
+        retract_speed=retraction.speed_mm_s,
+        unretract_extra_length=retraction.extra_mm,
+        unretract_speed=retraction.return_mm_s or retraction.speed_mm_s,
+    )
+    if retraction.hop_mm:
+        cfg.left_out.append("retraction.hop_mm: [firmware_retraction] does not raise Z")
     for section in ("pause_resume", "display_status", "exclude_object", "respond", "gcode_arcs"):
         cfg.put(section)
 

@@ -67,6 +67,17 @@ TWO_APPROACHES = "an axis approaches its endstop twice: it goes back by 3 mm bet
 PROBE_SPEEDS = "the probe homes Z with its own speeds, probe.fast_mm_s and slow_mm_s"
 
 
+class StoredHeights(NamedTuple):
+    """A mesh that the other firmware has stored: its name, the first and last X and Y in mm, the
+    heights by row of Y, in mm, and whether its surface is bicubic."""
+
+    name: str
+    x_mm: tuple[float, float]
+    y_mm: tuple[float, float]
+    heights_mm: list[list[float]]
+    bicubic: bool
+
+
 class Other(NamedTuple):
     """Why a part of a configuration has no key in the machine file: Passo has the feature without a
     key, or does not have it (`lost`). `text` explains the consequence to the owner."""
@@ -88,12 +99,15 @@ def lost(text: str) -> Other:
 @dataclass
 class Draft:
     """The keys of the machine file in the order of writing, each with its value and the place of
-    its source (None without one), and the remarks of the report."""
+    its source (None without one), and the remarks of the report. `meshes`, and settings as
+    `commands`, belong in the folder of `--state`."""
 
     keys: dict[KeyPath, tuple[Value, Place | None]] = field(
         default_factory=dict[KeyPath, tuple[Value, Place | None]]
     )
     remarks: list[Remark] = field(default_factory=list[Remark])
+    meshes: list[StoredHeights] = field(default_factory=list[StoredHeights])
+    commands: list[str] = field(default_factory=list[str])
 
     def put(self, path: KeyPath, value: Value | None, place: Place | None) -> None:
         """Sets a key; None leaves it to the default."""

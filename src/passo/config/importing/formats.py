@@ -16,18 +16,11 @@ if TYPE_CHECKING:
 _HEADERS = (".h", ".hpp")
 
 
-def imported(
-    path: Path,
-    stored: Path | None = None,
-    *,
-    board: str | None = None,
-    skip_missing: bool = False,
-) -> Draft:
+def imported(path: Path, stored: Path | None = None, *, board: str | None = None) -> Draft:
     """Converts a configuration to a valid machine file with remarks. The file name selects the
     format: Marlin (`.h`), APrinter (`.json`), otherwise Klipper (`printer.cfg`). `stored` is a file
     with the settings that the firmware has stored since. `board` is the name of a shipped board in
-    place of the one in the file. With `skip_missing`, a printer.cfg may include files that do not
-    exist. Raises ConfigError."""
+    place of the one in the file. Raises ConfigError."""
     ending = path.suffix.lower()
     if ending == ".json":
         draft = aprinter.imported(path, stored, board=board)
@@ -36,6 +29,6 @@ def imported(
     elif stored is not None:
         raise ConfigError.of("import.stored", str(stored))
     else:
-        draft = klipper.imported(path, board=board, skip_missing=skip_missing)
+        draft = klipper.imported(path, board=board)
     settle(draft)
     return draft

@@ -53,7 +53,9 @@ class BedCorrectionCommands:
         """The fade of the current correction, which a new correction takes over; None without a
         fade."""
         correction = self._correction.correction
-        return correction.fade if correction else None
+        if correction is not None:
+            return correction.fade
+        return Fade(0.0, self._config.fade_mm) if self._config.fade_mm else None
 
     def put(self, correction: Correction | None, *, on: bool, profile: str = "") -> None:
         """Sets the correction, and switches it on or off. It fades to the mean of its mesh.
@@ -233,8 +235,8 @@ class BedCorrectionCommands:
             for line in bilinear_grid(correction.table(self._rig.machine.bed_area_mm)):
                 reply.say(line)
         reply.say(f"echo:Bed Leveling {'ON' if now.on else 'OFF'}")
-        fade = correction.fade if correction else None
-        reply.say(f"echo:Fade Height {f'{fade.end_mm:.2f}' if fade else 'OFF'}")
+        height = f"{self.fade.end_mm:.2f}" if self.fade else "OFF"
+        reply.say(f"echo:Fade Height {height}")
 
     @command(
         "M937",
@@ -270,7 +272,7 @@ class BedCorrectionCommands:
     )
     def _set_fit(self, command: Command, _: Reply) -> Wait | None:
         pairs = command.pairs()
-        now = self._correction.correction or Correction()
+        now = self._correction.correction or Correction(fade=self.fade)
         terms = list((now.fit or Fit()).coefficients)
         for i, name in enumerate(TERMS):
             terms[i] = number(pairs, name, terms[i])
@@ -291,7 +293,7 @@ class BedCorrectionCommands:
     def _set_mesh(self, command: Command, _: Reply) -> Wait | None:
         pairs = command.pairs()
         columns, rows = (int(number(pairs, name, 0.0)) for name in ("COLUMNS", "ROWS"))
-        now = self._correction.correction or Correction()
+        now = self._correction.correction or Correction(fade=self.fade)
         if columns == 0:
             return WaitForMoves(lambda: self._store(replace(now, mesh=None)))
         if not (2 <= columns <= 41 and 2 <= rows <= 41):
@@ -443,7 +445,7 @@ class BedCorrectionCommands:
             for j, row in enumerate(mesh.heights):
                 for i, z in enumerate(row):
                     yield f"G29 W I{i} J{j} Z{exact(z)}"
-        fade = correction.fade.end_mm if correction.fade else 0.0
+        fade = self.fade.end_mm if self.fade else 0.0
         yield f"M420 S{int(now.on)} Z{exact(fade)}"
 
 

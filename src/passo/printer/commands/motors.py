@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import isfinite
 
+from passo.errors import CommandError
 from passo.gcode.command import Command
 from passo.gcode.registry import AXES, NOT_NEGATIVE_S, Kind, Subject, When, command
 from passo.motion.endstops import axes_lost, named_motors
@@ -11,6 +13,8 @@ from passo.motion.rig import Rig
 from passo.printer.laser import Laser
 from passo.printer.setup.board_outputs import enable_outputs
 from passo.printer.wait_requests import Reply, Wait, WaitForMoves
+
+_MAX_S = 1e9
 
 
 class Motors:
@@ -23,6 +27,7 @@ class Motors:
         self._outputs = enable_outputs(self._machine)
         self.on: set[str] = set()
         self.idle_s = self._machine.idle.motors_off_s
+        self.heaters_off_s = self._machine.idle.heaters_off_s
 
     def all_on(self) -> None:
         """Switches all motors on, before a move."""
@@ -108,3 +113,24 @@ class Motors:
         steppers = self.named(command.text)
         self._laser.off()
         return WaitForMoves(lambda: self._set(steppers, on=False))
+
+    @command(
+        "SET_IDLE_TIMEOUT",
+        Subject.MOTORS,
+        When.PLANNED,
+        "TIMEOUT(s)",
+        "Sets the idle time after which motors and heaters go off, until the next restart.",
+        kind=Kind.SERVED,
+        bare=None,
+    )
+    def _idle_timeout(self, command: Command, _: Reply) -> None:
+        words = command.pairs()
+        if "TIMEOUT" not in words:
+            raise CommandError.of("input.missing-word", axis=command.code, value="TIMEOUT")
+        try:
+            seconds = float(words["TIMEOUT"])
+        except ValueError:
+            raise CommandError.of("input.number", value=f"TIMEOUT={words['TIMEOUT']}") from None
+        if not (isfinite(seconds) and 0 < seconds <= _MAX_S):
+            raise CommandError.bad_value("TIMEOUT", seconds, f"more than 0 s, at most {_MAX_S:g} s")
+        self.idle_s = self.heaters_off_s = seconds

@@ -19,7 +19,8 @@ LASER_OFF_S = 3.0  # standstill with the laser on, without a print
 
 
 class IdleWatch:
-    """The idle timeouts of one printer: `[idle]` of the machine file, M84 S and M85."""
+    """The idle timeouts of one printer: `[idle]` of the machine file, M84 S, M85 and
+    SET_IDLE_TIMEOUT."""
 
     def __init__(
         self,
@@ -39,10 +40,10 @@ class IdleWatch:
     def time_passed(self) -> None:
         """Call this as time passes: switches off parts that have been idle for too long."""
         rig, waits = self._rig, self._waits
-        idle_s, config = rig.queue.idle_s, rig.machine.idle
+        idle_s, heaters_off_s = rig.queue.idle_s, self._motors.heaters_off_s
         heaters = rig.connection.heaters
         waits_for_user = (rig.job.stops.suspended or waits.person) and not waits.heating
-        if waits_for_user and 0 < config.heaters_off_s < idle_s:
+        if waits_for_user and 0 < heaters_off_s < idle_s:
             self._cool_hotends()
         if self._state.busy() or self._motion_lock.locked:
             return
@@ -59,7 +60,7 @@ class IdleWatch:
         if 0 < self._prompts.kill_s < idle_s:
             idle = MachineError.of("machine.idle", value=self._prompts.kill_s)
             self._halt(idle, idle.problems[0].sentence)
-        if 0 < config.heaters_off_s < idle_s:
+        if 0 < heaters_off_s < idle_s:
             for name, heater in heaters.items():
                 if heater.target > 0:
                     self._targets.set_target(name, 0.0, at_once=True)

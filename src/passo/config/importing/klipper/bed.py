@@ -5,16 +5,17 @@ from __future__ import annotations
 from math import floor, sqrt
 from typing import TYPE_CHECKING
 
-from passo.config.importing.klipper.settings import put_fade
 from passo.config.importing.numbers import Read
 
 if TYPE_CHECKING:
+    from passo.config.importing.draft import Value
     from passo.config.importing.klipper.cfg import Section
     from passo.config.importing.klipper.conversion import Import
 
 START_MM, LOW_MM = 10.0, -2.0  # default heights of a descent: start and lowest
 HIGHEST_MM = 100.0  # start of a descent
 _ABOVE_MM, _BELOW_MM = 5.0, 2.0  # minimum distances of these heights from the trigger height
+_MOST_REGIONS = 99  # that Klipper has
 DESCENT_S = 19.0  # a descent that would take longer is refused
 
 
@@ -87,11 +88,22 @@ def _put_mesh(job: Import, section: Section) -> None:
     smooth = "bicubic" if algorithm == "bicubic" else "bilinear"
     put((*path, "interpolation"), smooth, section.at("algorithm"))
     job.put("mesh", section)
-    put_fade(job, section)
+    section.used |= {"fade_start", "fade_target"}
+    _put_avoided(job, section)
     if algorithm == "lagrange" and max(count) > 3:
         text = "Passo has no Lagrange surface: the mesh is bicubic"
         put((*path, "interpolation"), "bicubic", section.at("algorithm"))
         job.draft.changed(section.at("algorithm"), "[bed_mesh] algorithm", text)
+
+
+def _put_avoided(job: Import, section: Section) -> None:
+    """Imports the regions in which the probe cannot measure."""
+    regions: list[Value] = []
+    for number in range(1, _MOST_REGIONS + 1):
+        corners = [section.pair(f"faulty_region_{number}_{end}") for end in ("min", "max")]
+        if None not in corners:
+            regions.append([mm for corner in corners if corner is not None for mm in corner])
+    job.put_value(("levelling", "avoid"), section, "faulty_region_1_min", regions or None)
 
 
 def reached(job: Import, corner: list[float]) -> list[float]:

@@ -3,6 +3,13 @@
 from __future__ import annotations
 
 import re
+from typing import TYPE_CHECKING
+
+from passo.config.pin_names import named_on, placed
+
+if TYPE_CHECKING:
+    from passo.config.importing.klipper.cfg import Section
+    from passo.config.importing.klipper.conversion import Import
 
 # The receive, send and clock pins of units whose names do not contain them.
 _UNITS = {
@@ -21,7 +28,26 @@ _UNITS = {
 _WITH_PINS = re.compile(r"spi\d_([A-Za-z]+\d+)_([A-Za-z]+\d+)_([A-Za-z]+\d+)")
 
 
-def wires_of_bus(name: str) -> tuple[str, str, str] | None:
-    """The pins MISO, MOSI and SCK of a unit; None if they are not known."""
-    found = _WITH_PINS.fullmatch(name)
-    return (found[1], found[2], found[3]) if found else _UNITS.get(name)
+_SPI = {
+    "spi_software_miso_pin": "miso_pin",
+    "spi_software_mosi_pin": "mosi_pin",
+    "spi_software_sclk_pin": "clock_pin",
+}
+
+
+def wires_of(job: Import, section: Section, select: str) -> dict[str, str]:
+    """The pins of a chip's bus by key: those in the section, or those of a unit of the board on
+    which the option `select` is. Passo drives them in software. Empty if they are not known."""
+    section.used |= {"spi_speed", "spi_bus"}
+    pins = {key: job.pins.of(section, option) for option, key in _SPI.items()}
+    given = {key: pin for key, pin in pins.items() if pin is not None}
+    bus = section.text("spi_bus")
+    found = _WITH_PINS.fullmatch(bus)
+    wires = (found[1], found[2], found[3]) if found else _UNITS.get(bus)
+    if len(given) == len(pins) or wires is None:
+        return given if len(given) == len(pins) else {}
+    board = placed(job.pins.of(section, select) or "")[0]
+    named = {key: named_on(board, pin) for key, pin in zip(_SPI.values(), wires, strict=True)}
+    text = f"its pins are {', '.join(named.values())}, which Passo drives in software"
+    job.draft.changed(section.at("spi_bus"), f"[{section.name}] spi_bus {bus}", text)
+    return named

@@ -152,16 +152,14 @@ class Missing(NamedTuple):
 class Config:
     """All sections of a printer.cfg, in the order of the files. The options of repeated sections
     are merged; the last value wins. `missing` has the includes of files that do not exist. Raises
-    ConfigError with file and line: for missing files all together, unless `skip_missing`."""
+    ConfigError with file and line."""
 
-    def __init__(self, path: Path, *, skip_missing: bool = False) -> None:
+    def __init__(self, path: Path) -> None:
         self.sections: dict[str, Section] = {}
         self.comments: list[str] = []
         self.missing: list[Missing] = []
         self._sources = Sources()
         self._read(path, ())
-        if self.missing and not skip_missing:
-            raise ConfigError([one.problem for one in self.missing])
         for section in self.sections.values():
             for option in section.options.values():
                 self._fill_in(option)

@@ -147,6 +147,8 @@ def _value(pins: Pins, section: Section, option: str, unit: str) -> Value | None
             return section.text(option).lower()
         case "gcode":
             return section.commented(option)
+        case "given":
+            return True
         case "flag":
             return section.flag(option, False)
         case "count":

@@ -6,10 +6,9 @@ from math import exp, log
 from typing import TYPE_CHECKING, Any
 
 from passo.config.importing.draft import MOTORS_ALONE, NO_BUS, UNKNOWN_SENSOR, UNSAFE, bad
-from passo.config.importing.klipper.buses import wires_of_bus
+from passo.config.importing.klipper.buses import wires_of
 from passo.config.importing.klipper.cfg import Section
 from passo.config.part_names import part_name
-from passo.config.pin_names import named_on, placed
 from passo.config.sensor_names import values_of
 from passo.config.thermistor import ZERO_C, Ntc
 
@@ -21,11 +20,6 @@ _PT100_AMPLIFIER, _FULL_SCALE_V = "PT100 INA826", 5.0
 _PLATINUM = ("pt1000", "pt100")
 _AMPLIFIERS = ("AD595", "AD8495")
 _CONVERTERS = ("MAX6675", "MAX31855", "MAX31856", "MAX31865")
-_SPI = {
-    "spi_software_sclk_pin": "clock_pin",
-    "spi_software_miso_pin": "miso_pin",
-    "spi_software_mosi_pin": "mosi_pin",
-}
 # Klipper's values of a platinum sensor on a MAX31865.
 _RTD = {
     "rtd_nominal_r": ("r0_ohm", 100),
@@ -113,25 +107,11 @@ def put_sensor(job: Import, section: Section, path: KeyPath) -> None:
 
 
 def _converter_wires(job: Import, section: Section) -> dict[str, str]:
-    """The pins of a converter's bus: those in the section, or those of a unit of the chip, which
-    Passo drives in software. Raises ConfigError if they are not known."""
-    section.used.add("spi_speed")
-    pins = {key: job.pins.of(section, option) for option, key in _SPI.items()}
-    given = {key: pin for key, pin in pins.items() if pin is not None}
-    if len(given) == len(pins):
-        section.used.add("spi_bus")
-        return given
-    bus = section.text("spi_bus")
-    wires = wires_of_bus(bus)
-    if wires is None:
-        missing = next(option for option, key in _SPI.items() if key not in given)
-        raise section.missing(missing, NO_BUS)
-    board = placed(job.pins.of(section, "sensor_pin") or "")[0]
-    keys = ("miso_pin", "mosi_pin", "clock_pin")
-    found = {key: named_on(board, pin) for key, pin in zip(keys, wires, strict=True)}
-    text = f"its pins are {', '.join(found.values())}, which Passo drives in software"
-    job.draft.changed(section.at("spi_bus"), f"[{section.name}] spi_bus {bus}", text)
-    return found
+    """The pins of a converter's bus. Raises ConfigError if they are not known."""
+    wires = wires_of(job, section, "sensor_pin")
+    if not wires:
+        raise section.missing("spi_software_sclk_pin", NO_BUS)
+    return wires
 
 
 def _full_scale(section: Section) -> dict[str, float]:

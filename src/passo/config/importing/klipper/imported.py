@@ -22,26 +22,41 @@ from passo.config.importing.klipper.settings import put_settings
 from passo.config.importing.table import Row, report
 from passo.config.klipper_options.left_out import sentences
 from passo.config.part_names import part_name
+from passo.errors import ConfigError
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from passo.config.importing.klipper.cfg import Section
+    from passo.config.importing.klipper.cfg import Missing, Section
 
 # Options with values that Passo determines itself, or that have no meaning in Passo.
 _SILENT = {MAIN: ("restart_method", "max_stepper_error")}
+_MISSING = Row(
+    option="",
+    fate="decide",
+    note="the file is missing, and everything in it: copy it beside printer.cfg, and import again",
+)
 _NO_PART = Row(option="", fate="dropped", note="Passo does not have this part")
 _NO_OPTION = Row(option="", fate="dropped", note="Passo has no such setting")
 
 
-def imported(path: Path, *, board: str | None = None, skip_missing: bool = False) -> Draft:
+def imported(path: Path, *, board: str | None = None) -> Draft:
     """The machine file for a printer.cfg, with remarks. `board` is the name of the main board's
-    file; with `skip_missing`, includes of missing files are left out. Raises ConfigError for a file
-    that cannot be read, for an unsupported kind of machine, and for values without which the
-    machine cannot move."""
-    config, draft = Config(path, skip_missing=skip_missing), Draft()
-    job = Import(config, draft, Pins(config, draft))
+    file. Raises ConfigError for a file that cannot be read, for an unsupported kind of machine, and
+    for values without which the machine cannot move; then also for missing included files, which
+    may have them."""
+    config, draft = Config(path), Draft()
     draft.put_head(path, path.stem)
+    try:
+        _put_all(Import(config, draft, Pins(config, draft)), board)
+    except ConfigError as error:
+        missing = [one.problem for one in config.missing if _include(one).fate == "decide"]
+        raise ConfigError([*error.problems, *missing]) from None
+    return draft
+
+
+def _put_all(job: Import, board: str | None) -> None:
+    draft = job.draft
     put_probe(job)
     put_motion(job)
     put_heat(job)
@@ -61,7 +76,14 @@ def imported(path: Path, *, board: str | None = None, skip_missing: bool = False
     put_macros(job)
     put_kept(job)
     _remark_on_the_rest(job)
-    return draft
+
+
+def _include(include: Missing) -> Row:
+    """What a missing file means: some are known by their names."""
+    name = include.file.rpartition("/")[2].lower()
+    known = TABLE.notes("includes")
+    folder = include.file.partition("/")[0].lower()
+    return known.get(name) or known.get(f"{folder}/") or _MISSING
 
 
 def _put_shapers(job: Import, section: Section) -> None:
@@ -86,8 +108,7 @@ def _remark_on_the_rest(job: Import) -> None:
     """Reports the sections and the options that no module has read, and missing files."""
     options, others = TABLE.notes("options"), TABLE.notes("sections")
     for include in job.config.missing:
-        text = "the file is missing, and everything in it"
-        job.draft.dropped(include.place, f"[include {include.file}]", text)
+        report(job.draft, _include(include), include.place, f"[include {include.file}]")
     for name, section in job.config.sections.items():
         if section.kind == "board_pins":
             continue

@@ -1,4 +1,4 @@
-"""Screws, motors that level the gantry, and skew."""
+"""Screws, and motors that level the gantry."""
 
 from __future__ import annotations
 
@@ -26,8 +26,6 @@ def put_levelling(job: Import) -> None:
         job.part(screws, _put_screws)
     if motors is not None and job.probe_pin is not None:
         job.part(motors, _put_motors)
-    for section in job.config.of("skew_correction"):
-        job.part(section, _put_skew)
     delta = job.config.get("delta_calibrate")
     if delta is not None and job.required("printer").text("kinematics") == "delta":
         job.part(delta, _put_delta)
@@ -109,17 +107,6 @@ def _in_reach(job: Import, section: Section, at: list[float], table: str) -> boo
     job.draft.decide(section.place, f"[{section.name}]", _FAR.format(*at, table))
     job.leave_out(section)
     return False
-
-
-def _put_skew(job: Import, section: Section) -> None:
-    """Reports the values that SAVE_CONFIG has stored as the command that sets them, because the
-    limits of the carriages must be in the machine file first."""
-    factors = [section.number(f"{plane}_skew", 0.0) or 0.0 for plane in ("xy", "xz", "yz")]
-    if any(factors):
-        words = " ".join(f"{word}{value:g}" for word, value in zip("IJK", factors, strict=True))
-        reach = "min_mm and max_mm of the motors (of crossed belts reach_x_mm and reach_y_mm)"
-        text = f"give {reach}, then send M852 {words} and M500"
-        job.draft.decide(section.place, f"[{section.name}]", text)
 
 
 def _places(section: Section, name: str) -> list[tuple[float, float]]:

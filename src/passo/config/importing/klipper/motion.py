@@ -6,6 +6,7 @@ import math
 import re
 from typing import TYPE_CHECKING
 
+from passo.config.importing.klipper.buses import wires_of
 from passo.config.importing.klipper.cfg import Section
 from passo.config.importing.klipper.homing import put_homing
 from passo.config.importing.klipper.rotary_delta import ARMS, put_rotary_delta
@@ -22,12 +23,15 @@ _ACTUATORS = {  # Klipper's letter of a stepper: Passo's motor
     "cartesian": {"x": "x", "y": "y", "z": "z"},
     "corexy": {"x": "a", "y": "b", "z": "z"},
     "corexz": {"x": "a", "y": "y", "z": "b"},
+    "hybrid_corexy": {"x": "a", "y": "y", "z": "z"},
+    "hybrid_corexz": {"x": "a", "y": "y", "z": "z"},
     "delta": {"a": "a", "b": "b", "c": "c"},
 }
 # Kalico's names of kinematics with limits for each axis.
 _LIMITED = {f"limited_{kind}": kind for kind in ("cartesian", "corexy", "corexz")}
 _CHIPS = ("tmc2208", "tmc2209", "tmc2130", "tmc5160")
 _MICROSTEPS = (1, 2, 4, 8, 16, 32, 64, 128, 256)  # of Passo; other drivers have others
+_COLDEST = ("limits", "min_extrude_c")
 _ROTARY = "rotary_delta"
 _WHOLE = {"full_steps_per_rotation": 200, "microsteps": 16}  # of a stepper, with usual values
 
@@ -67,6 +71,10 @@ def put_motion(job: Import) -> None:
         _put_delta(job, printer)
     for section in [*job.config.of("extruder"), *_numbered(job, "extruder")]:
         _put_extruder(job, section, speed, accel)
+        coldest = section.number("min_extrude_temp")
+        limit = job.draft.keys.get(_COLDEST, (0.0, None))[0]
+        if coldest is not None and coldest >= float(str(limit)):  # the highest one is for all
+            job.put_value(_COLDEST, section, "min_extrude_temp", coldest)
 
 
 def _put_cruise_ratio(job: Import, printer: Section, accel: float) -> None:
@@ -225,7 +233,9 @@ def _put_driver(job: Import, motor: Section, path: KeyPath) -> None:
             job.draft.dropped(section.place, f"[{section.name}]", text)
             job.leave_out(section)
             continue
-        if section.kind in _CHIPS[2:] and "spi_software_sclk_pin" not in section.options:
+        spi = section.kind in _CHIPS[2:]
+        wires = wires_of(job, section, "cs_pin") if spi else {}
+        if spi and not wires:
             run = section.number("run_current")
             text = "Passo sets this driver only over the pins of its SPI bus"
             text += f": give driver and tmc of steppers.{path[-1]}"
@@ -236,6 +246,8 @@ def _put_driver(job: Import, motor: Section, path: KeyPath) -> None:
             continue
         job.draft.put((*path, "driver"), section.kind.upper(), section.place)
         job.put("driver", section, name=path[-1])
+        for key, pin in wires.items():
+            job.draft.put((*path, "tmc", key), pin, section.at("spi_bus"))
         if section.kind == "tmc2209":
             job.put("tmc2209", section, name=path[-1])
 

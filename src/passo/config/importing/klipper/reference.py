@@ -22,4 +22,5 @@ def reference() -> str:
         + notes(TABLE, "sections", "section", "built-in")
         + notes(TABLE, "sections", "section", "dropped")
         + notes(TABLE, "options", "option", "dropped")
+        + notes(TABLE, "includes", "missing file", "built-in")
     )

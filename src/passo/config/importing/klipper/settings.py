@@ -1,58 +1,62 @@
-"""Sections whose values are stored settings of Passo: [firmware_retraction], and the fade and the
-stored heights of [bed_mesh]."""
+"""What SAVE_CONFIG has stored under names: [bed_mesh NAME] and [skew_correction NAME]."""
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
+
+from passo.config.importing.draft import StoredHeights
+from passo.config.importing.numbers import number_of
 
 if TYPE_CHECKING:
     from passo.config.importing.klipper.cfg import Section
     from passo.config.importing.klipper.conversion import Import
 
-_PER_MIN = 60
-# Letters of M207 and M208 by Klipper's options, with its values without them and the factor.
-_RETRACTION = {
-    "M207": (
-        ("S", "retract_length", 0.0, 1.0),
-        ("F", "retract_speed", 20.0, _PER_MIN),
-    ),
-    "M208": (
-        ("S", "unretract_extra_length", 0.0, 1.0),
-        ("F", "unretract_speed", 10.0, _PER_MIN),
-    ),
-}
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,39}")
+_STORE = "`passo import --state DIR` stores {}, for `passo serve --state DIR`; {} LOAD={} uses it"
+_PLANES = ("xy", "xz", "yz")
 
 
 def put_settings(job: Import) -> None:
-    """Imports all of them."""
-    job.parts("firmware_retraction", convert=_put_retraction)
+    """Imports the stored meshes and skews."""
     for section in job.config.of("bed_mesh"):
         if section.rest:
-            _remark_on_heights(job, section)
+            job.part(section, _put_heights)
+    for section in job.config.of("skew_correction"):
+        job.part(section, _put_skew)
 
 
-def put_fade(job: Import, section: Section) -> None:
-    """Reports the fade of a mesh as the command that sets it."""
-    end = section.number("fade_end", 0.0) or 0.0
-    section.used |= {"fade_start", "fade_target"}
-    if end > 0:
-        text = f"the fade is not in the machine file: M420 Z{end:g} sets it, and M500 stores it"
-        job.draft.decide(section.at("fade_end"), f"[{section.name}] fade_end", text)
-
-
-def _put_retraction(job: Import, section: Section) -> None:
-    commands = [
-        " ".join(
-            [code, *(f"{letter}{(section.number(o) or u) * k:g}" for letter, o, u, k in words)]
-        )
-        for code, words in _RETRACTION.items()
-    ]
-    text = f"G10 and G11 have stored settings: {' and '.join(commands)} set them, M500 stores them"
-    job.draft.decide(section.place, f"[{section.name}]", text)
-
-
-def _remark_on_heights(job: Import, section: Section) -> None:
-    job.used.add(section.name)
+def _put_heights(job: Import, section: Section) -> None:
+    rows = [row for row in section.text("points").splitlines() if row.strip()]
+    try:
+        heights = [[number_of(mm) for mm in row.strip(" ,").split(",")] for row in rows]
+    except ValueError:
+        raise section.wrong("points", "rows of heights in mm") from None
+    x, y = ((section.needed(f"min_{a}"), section.needed(f"max_{a}")) for a in "xy")
+    if min(len(heights), *map(len, heights), 2) < 2 or len({*map(len, heights)}) > 1:
+        raise section.wrong("points", "at least two rows of the same length")
+    name, bicubic = _name(section), section.text("algo") == "bicubic"
+    job.draft.meshes.append(StoredHeights(name, x, y, heights, bicubic or len(heights) > 3))
     section.used.update(section.options)
-    text = "the stored heights are not taken over: measure them with G29, and store them with M500"
+    text = _STORE.format("its heights", "BED_MESH_PROFILE", name)
     job.draft.decide(section.place, f"[{section.name}]", text)
+
+
+def _put_skew(job: Import, section: Section) -> None:
+    """Imports a skew, which is not in force until it is loaded."""
+    factors = {plane: section.number(f"{plane}_skew", 0.0) or 0.0 for plane in _PLANES}
+    if not any(factors.values()):
+        return
+    name, values = _name(section), (f"{p.upper()}={mm:.9f}" for p, mm in factors.items())
+    job.draft.commands.append(f"SKEW_PROFILE SET={name} {' '.join(values)}")
+    text = _STORE.format("it", "SKEW_PROFILE", name)
+    text += ", when you have given min_mm and max_mm of the motors (of crossed belts reach_x_mm and"
+    text += " reach_y_mm), because skew moves carriages beyond their axes"
+    job.draft.decide(section.place, f"[{section.name}]", text)
+
+
+def _name(section: Section) -> str:
+    """The name of a stored mesh or skew. Raises ConfigError for one that Passo cannot have."""
+    if not _NAME.fullmatch(section.rest):
+        raise section.wrong("version", "a name of letters, digits, _, . and -", section.rest)
+    return section.rest
