@@ -410,7 +410,7 @@ gcode: M118 { printer["gcode_macro _My_Vars"].count } { printer["fan_generic Fan
     path, told = tmp_path / "look.gcode", []
     path.write_text("LOOK\n")
     job = Print(machine)
-    job.macros.watch = lambda command, text: told.append(text)
+    job.macros.watchers.append(lambda _, text: told.append(text))
     job.run(path)
     assert told[-1] == "M118 4 0.5 40.0"
 
@@ -690,7 +690,9 @@ def test_comments_of_macros_stay_and_are_never_read(load, tmp_path: Path) -> Non
     path, told = tmp_path / "a.gcode", []
     path.write_text("START T=9\nSTART\n")
     job = Print(machine)
-    job.macros.watch = lambda _, text: told.append([line for line in text.split("\n") if line])
+    job.macros.watchers.append(
+        lambda _, text: told.append([line for line in text.split("\n") if line])
+    )
     job.run(path)
     assert told == [["M118 0", "M118 it is }"], ["M118 200", "M118 it is }"]]
 

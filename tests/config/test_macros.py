@@ -78,7 +78,7 @@ def test_the_examples_of_the_page_are_printed(tmp_path):
     path.write_text(call)
     calls = []
     job = Print(with_macros(tables), Policy(checked=True))
-    job.macros.watch = lambda command, text: calls.append((command.code, text.split()))
+    job.macros.watchers.append(lambda command, text: calls.append((command.code, text.split())))
     job.run(path)
     start = "M140 S50.0 G28 M190 S50.0 G1 X10 Y10 F6000 G1 X15 Y10 F6000"
     assert calls == [("START_PRINT", start.split()), ("G28", ["M117", "homing", "G28.1"])]
