@@ -7,6 +7,8 @@ import subprocess
 from collections.abc import Iterable
 from pathlib import Path
 
+from tests.support import kept
+
 from passo.toolchain.declarations import gather
 from passo.toolchain.sources import core_sources
 from passo.toolchain.tables import dictionary, write_tables
@@ -17,9 +19,10 @@ MOVES = 1024
 PORTS = "ABCDEFGHIJKL"
 
 
-def library_for_older_hosts(folder: Path) -> Path:
-    """Made in `folder`."""
-    return _library(folder, core_sources(FIRMWARE, older_hosts=True))
+def library_for_older_hosts() -> Path:
+    core = core_sources(FIRMWARE, older_hosts=True)
+    made_from = (*kept.FIRMWARE, Path(__file__))
+    return kept.kept("older-library", made_from, ["cc"], lambda folder: _library(folder, core))
 
 
 def library_with(folder: Path, *modules: Path) -> Path:
@@ -27,15 +30,20 @@ def library_with(folder: Path, *modules: Path) -> Path:
     return _library(folder, [*core_sources(FIRMWARE), *modules])
 
 
-def process_for_older_hosts(folder: Path) -> Path:
-    """A program, with the pins of an ATmega2560; made in `folder`."""
+def process_for_older_hosts() -> Path:
+    """A program, with the pins of an ATmega2560."""
     additions = {
         "constants": {"CLOCK_FREQ": CLOCK_HZ},
         "enumerations": {"pin": {f"P{port}0": (8 * i, 8) for i, port in enumerate(PORTS)}},
     }
     flags = [f"-DPROCESS_CLOCK_HZ={CLOCK_HZ}", f"-DPROCESS_MOVES={MOVES}"]
     core = core_sources(FIRMWARE, older_hosts=True)
-    return _compile(folder, core, ["host.c", "process.c"], flags, additions, folder / "process")
+
+    def make(folder: Path) -> Path:
+        layer = ["host.c", "process.c"]
+        return _compile(folder, core, layer, flags, additions, folder / "process")
+
+    return kept.kept("older-process", (*kept.FIRMWARE, Path(__file__)), ["cc"], make)
 
 
 def _library(folder: Path, core: list[Path]) -> Path:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass
 from functools import cache
+from importlib.metadata import version
 from itertools import pairwise
 from math import ceil
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import pytest
+from tests.support import kept
 
 from passo.board.dictionary import Dictionary
 from passo.toolchain import arm
@@ -83,13 +84,18 @@ TAKEN = ("PA8", "PA9", "PA11", "PA12", "PA2", "PA3", "gpio0", "gpio1", "PTA0", "
 @cache
 def image(board: str, compiler: str = "arm-none-eabi-gcc") -> bytes:
     """The flash's content, out of the file for the flashing program."""
-    with TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
-        if compiler == "ziglang":
-            patch.setenv("PATH", folder)
-        command = arm.compiler()
-        assert command is not None and compiler in command
-        path, _ = build(board_target(board), Path(folder))
-        data = path.read_bytes()
+
+    def make(folder: Path) -> Path:
+        with pytest.MonkeyPatch.context() as patch:
+            if compiler == "ziglang":
+                patch.setenv("PATH", str(folder))
+            command = arm.compiler()
+            assert command is not None and compiler in command
+            return build(board_target(board), folder)[0]
+
+    made_from = (*kept.FIRMWARE, kept.ROOT / "src/passo/config/boards", version("ziglang"))
+    path = kept.kept(f"image-{board}-{compiler}", made_from, ["arm-none-eabi-gcc"], make)
+    data = path.read_bytes()
     if path.suffix == ".uf2":
         return b"".join(data[i + 32 : i + 288] for i in range(0, len(data), 512))
     if path.suffix == ".hex":

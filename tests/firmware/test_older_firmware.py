@@ -12,8 +12,8 @@ from passo.simulator import dictionary
 
 
 @pytest.fixture(autouse=True)
-def library(tmp_path, monkeypatch):
-    library = library_for_older_hosts(tmp_path)
+def library(monkeypatch):
+    library = library_for_older_hosts()
     monkeypatch.setattr(dictionary, "firmware_library", lambda: library)
     monkeypatch.setattr("passo.simulator.board.firmware_library", lambda: library)
 

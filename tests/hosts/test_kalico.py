@@ -16,7 +16,7 @@ from tests.firmware.library import (
     process_for_older_hosts,
 )
 from tests.firmware.simavr.bench import AvrBench
-from tests.firmware.simavr.boards import FIRMWARE, RAMPS
+from tests.firmware.simavr.boards import RAMPS, image
 from tests.firmware.simavr.host import Hotend
 from tests.hosts.boards import AvrOnPty, Moved, ProcessBoard, PtyBoard
 from tests.hosts.kalico import Kalico
@@ -31,7 +31,6 @@ from passo.printer.setup.boards import board_description, board_descriptions
 from passo.printer.setup.simulated_world import simulated_board, simulated_machine
 from passo.simulator import SimulatedBoard
 from passo.simulator import dictionary as simulated
-from passo.toolchain import avr
 from passo.toolchain.readback import identify
 
 HERE = Path(__file__).parent
@@ -164,7 +163,7 @@ class TestProcess:
 
     @pytest.fixture
     def board(self, tmp_path: Path, clock: SharedClock) -> Iterator[ProcessBoard]:
-        board = ProcessBoard(process_for_older_hosts(tmp_path), tmp_path, clock)
+        board = ProcessBoard(process_for_older_hosts(), tmp_path, clock)
         yield board
         board.close()
 
@@ -173,7 +172,7 @@ class TestProcess:
             homes_and_prints(kalico, board, clock)
 
     def test_kalico_identifies_board_in_real_time(self, tmp_path):
-        board = ProcessBoard(process_for_older_hosts(tmp_path), tmp_path)
+        board = ProcessBoard(process_for_older_hosts(), tmp_path)
         found = asyncio.run(identify(board.path, 250_000))
         board.close()
         assert found is not None and found.dictionary is not None
@@ -185,8 +184,7 @@ class TestAvr:
 
     @pytest.fixture
     def board(self, tmp_path: Path, clock: SharedClock) -> Iterator[AvrOnPty]:
-        image = avr.build(replace(RAMPS, older_hosts=True), FIRMWARE, tmp_path / "image", "test")
-        board = AvrOnPty(AvrBench(image.elf), clock)
+        board = AvrOnPty(AvrBench(image(replace(RAMPS, older_hosts=True)).elf), clock)
         yield board
         board.close()
 
@@ -226,7 +224,7 @@ class TestDrivers:
     def board(
         self, tmp_path: Path, machine: MachineConfig, monkeypatch: pytest.MonkeyPatch
     ) -> SimulatedBoard:
-        library = library_for_older_hosts(tmp_path)
+        library = library_for_older_hosts()
         monkeypatch.setattr(simulated, "firmware_library", lambda: library)
         monkeypatch.setattr("passo.simulator.board.firmware_library", lambda: library)
         chosen = machine.board.model_copy(update={"firmware": "passo"})
@@ -300,7 +298,7 @@ class TestAccelerometer:
         clock: SharedClock,
         monkeypatch: pytest.MonkeyPatch,
     ) -> Iterator[SharedLine]:
-        library = library_for_older_hosts(tmp_path)
+        library = library_for_older_hosts()
         monkeypatch.setattr(simulated, "firmware_library", lambda: library)
         monkeypatch.setattr("passo.simulator.board.firmware_library", lambda: library)
         printer = simulated_machine(machine, board_descriptions(machine))

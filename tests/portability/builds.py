@@ -4,9 +4,10 @@ in two files, so that two workers compile at a time."""
 from __future__ import annotations
 
 import lzma
-import shutil
 import subprocess
 from pathlib import Path
+
+from tests.support.kept import kept
 
 from .program import program
 
@@ -47,20 +48,17 @@ def sources(folder: Path) -> list[str]:
     return [str(path) for path in paths]
 
 
-def stream_of(compiler: list[str], emulator: list[str], folder: Path) -> str:
+def stream_of(name: str, compiler: list[str], emulator: list[str], folder: Path) -> str:
     """The streams that a build of the core gives. It is compiled as one source, which is faster."""
-    assert shutil.which(compiler[0]), f"{compiler[0]} is missing: make test installs it"
-    whole, binary = folder / "whole.cpp", folder / "stream"
-    whole.write_text("".join(f'#include "{path}"\n' for path in SOURCES))
-    words = [
-        compiler[0],
-        *FLAGS,
-        *compiler[1:],
-        f"-I{ROOT / 'core'}",
-        str(whole),
-        "-o",
-        str(binary),
-    ]
-    subprocess.run(words, check=True)
+    command = [compiler[0], *FLAGS, *compiler[1:], f"-I{ROOT / 'core'}"]
+
+    def build(place: Path) -> Path:
+        whole, binary = place / "whole.cpp", place / "stream"
+        whole.write_text("".join(f'#include "{path}"\n' for path in SOURCES))
+        subprocess.run([*command, str(whole), "-o", str(binary)], check=True)
+        return binary
+
+    made_from = (command, SOURCES, ROOT / "core", SOURCES[-1])
+    binary = kept(f"stream-{name.replace(' ', '-')}", made_from, compiler[:1], build)
     words = [*emulator, str(binary), *sources(folder)]
     return subprocess.run(words, check=True, capture_output=True, text=True).stdout

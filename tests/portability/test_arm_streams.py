@@ -12,7 +12,9 @@ BUILDS = {
 }
 
 
-@pytest.mark.parametrize("name", BUILDS)
+@pytest.mark.parametrize("name", ["AArch64", pytest.param("32-bit ARM", marks=pytest.mark.long)])
 def test_arm_stream_is_the_same(name, tmp_path):
+    """In an emulator, which is slow; 32-bit computers differ from others in the width of `long`
+    and in their registers alone, and few of them are left."""
     compiler, emulator = BUILDS[name]
-    assert stream_of([compiler, "-static"], [emulator], tmp_path) == EXPECTED
+    assert stream_of(name, [compiler, "-static"], [emulator], tmp_path) == EXPECTED

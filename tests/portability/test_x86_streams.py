@@ -19,4 +19,4 @@ BUILDS = {
 
 @pytest.mark.parametrize("name", BUILDS)
 def test_x86_stream_is_the_same(name, tmp_path):
-    assert stream_of(["g++", *BUILDS[name]], [], tmp_path) == EXPECTED
+    assert stream_of(name, ["g++", *BUILDS[name]], [], tmp_path) == EXPECTED

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import functools
-import tempfile
 from collections.abc import Callable
+from hashlib import sha256
 from pathlib import Path
+
+from tests.support import kept
 
 from passo.board.description import BoardDescription, Stepper
 from passo.toolchain.avr import AvrBoard, Motor, build
@@ -24,14 +26,15 @@ MELZI = AvrBoard("atmega1284p", tuple(Motor(*pins) for pins in MELZI_PINS))
 
 
 @functools.cache
-def _folder() -> tempfile.TemporaryDirectory[str]:
-    return tempfile.TemporaryDirectory(prefix="passo-images-")
-
-
-@functools.cache
 def image(board: AvrBoard, make: Callable[..., Image] = build) -> Image:
     """The board's image; built once."""
-    return make(board, FIRMWARE, Path(tempfile.mkdtemp(dir=_folder().name)), "test")
+    how = repr((board, make.__module__))
+    return kept.kept(
+        f"image-{sha256(how.encode()).hexdigest()[:12]}",
+        (how, *kept.FIRMWARE),
+        ["avr-gcc"],
+        lambda folder: make(board, FIRMWARE, folder, "test"),
+    )
 
 
 def bench(board: AvrBoard = RAMPS, make: Callable[..., Image] = build) -> AvrBench:
