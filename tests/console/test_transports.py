@@ -474,9 +474,12 @@ def test_standard_input_and_output_must_be_open(closed):
     assert "Traceback" not in told.stderr
 
 
-@pytest.mark.parametrize("answers", ["answers", "/dev/null", "/dev/full"])
-def test_standard_input_and_output_may_be_files(answers, tmp_path):
-    (tmp_path / "lines.gcode").write_text("G28\n" + "G1 X12 F6000\nG1 X10\n" * 4000 + "M114\n")
+@pytest.mark.parametrize(
+    ("answers", "turns"), [("answers", 4000), ("/dev/null", 50), ("/dev/full", 50)]
+)
+def test_standard_input_and_output_may_be_files(answers, turns, tmp_path):
+    moves = "G1 X12 F6000\nG1 X10\n" * turns
+    (tmp_path / "lines.gcode").write_text(f"G28\n{moves}M114\n")
     line = f'"$0" -m passo serve --stdin --clock fast --state . <lines.gcode >{answers}'
     served = subprocess.run(
         ["sh", "-c", line, sys.executable], cwd=tmp_path, stderr=subprocess.PIPE, text=True

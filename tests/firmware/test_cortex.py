@@ -93,7 +93,7 @@ def image(board: str, compiler: str = "arm-none-eabi-gcc") -> bytes:
             assert command is not None and compiler in command
             return build(board_target(board), folder)[0]
 
-    made_from = (*kept.FIRMWARE, kept.ROOT / "src/passo/config/boards", version("ziglang"))
+    made_from = (*kept.FIRMWARE, kept.ROOT / "src/passo/config", version("ziglang"))
     path = kept.kept(f"image-{board}-{compiler}", made_from, ["arm-none-eabi-gcc"], make)
     data = path.read_bytes()
     if path.suffix == ".uf2":
