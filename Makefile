@@ -58,7 +58,7 @@ build/card/demo.gcode: build/demo.gcode
 	cp $< $@
 
 test: .venv/.built .venv/.dev web .venv/hosts/.installed
-	tools/debian.sh g++-aarch64-linux-gnu g++-arm-linux-gnueabihf qemu-user-static dosfstools mtools \
+	tools/debian.sh g++-aarch64-linux-gnu qemu-user-static dosfstools mtools \
 	  gcc-avr avr-libc libsimavr-dev libelf-dev gcc-arm-none-eabi qemu-system-arm chromium \
 	  libsodium23 curl
 	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder --ignore tests/live --ignore tests/browser
@@ -66,6 +66,7 @@ test: .venv/.built .venv/.dev web .venv/hosts/.installed
 	$(BIN)/python -m pytest tests/browser
 
 test-long: .venv/.built .venv/.dev
+	tools/debian.sh g++-arm-linux-gnueabihf qemu-user-static
 	$(BIN)/python -m pytest -n $(WORKERS) -m long --ignore tests/live --ignore tests/browser --ignore tests/hosts
 
 check: .venv/.built .venv/.dev

@@ -218,6 +218,8 @@ class Disturbances(RuleBasedStateMachine):
 
 
 def test_disturbed_prints_end_as_undisturbed(tmp_path: Path) -> None:
+    """60 prints: what one disturbance leaves behind shows when the next one meets it. Each active
+    state of a job meets each state of a link that a print survives."""
     Disturbances.card, Disturbances.met = tmp_path, set()
     (tmp_path / "a.g").write_text(program())
     with Scenario(FIRMWARE, card=str(tmp_path)) as s:
