@@ -90,3 +90,11 @@ def test_sensor_on_a_pin_of_another_part_is_left_out(load):
     draft, machine = load(SWITCH.format("True", "").replace("PC13", "PB4"))
     assert machine.filament_sensors == {}
     assert "PB4 belongs to steppers.e" in remarks(draft, "decide")[0]
+
+
+def test_analog_buttons_are_left_out(load):
+    button = "[gcode_button {}]\npin: PC13\nanalog_range: {}\npress_gcode: M117 up\n"
+    draft, machine = load(button.format("up", "0, 100") + button.format("down", "100, 300"))
+    assert machine.buttons == {}
+    text = "the button is left out: Passo reads no analog buttons"
+    assert [r.text for r in draft.remarks if "gcode_button" in r.what] == [text] * 2

@@ -10,7 +10,7 @@ from passo.config.importing.klipper.bed import put_mesh, put_probe
 from passo.config.importing.klipper.cfg import Config
 from passo.config.importing.klipper.conversion import TABLE, Import
 from passo.config.importing.klipper.heat import put_heat
-from passo.config.importing.klipper.inputs import put_filament_sensors
+from passo.config.importing.klipper.inputs import put_buttons, put_filament_sensors
 from passo.config.importing.klipper.kept import put_kept
 from passo.config.importing.klipper.levelling import put_levelling
 from passo.config.importing.klipper.macros import put_macros
@@ -68,6 +68,7 @@ def _put_all(job: Import, board: str | None) -> None:
     put_levelling(job)
     job.parts("input_shaper", convert=_put_shapers)
     put_filament_sensors(job)
+    put_buttons(job)
     _put_alone(job)
     put_boards(job, board)
     put_accelerometer(job)

@@ -1,10 +1,11 @@
-"""Filament sensors: what a runout does, and the extruder of a motion sensor. Rows of the table have
-the rest."""
+"""Filament sensors and buttons: what a runout does, the extruder of a motion sensor, and analog
+buttons. Rows of the table have the rest."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from passo.config.importing.klipper.conversion import TABLE
 from passo.config.klipper_names import number_of
 from passo.config.part_names import part_name
 
@@ -21,6 +22,22 @@ def put_filament_sensors(job: Import) -> None:
     for kind in ("filament_switch_sensor", _MOTION):
         for section in job.config.of(kind):
             job.part(section, _put_sensor, "the sensor")
+
+
+def put_buttons(job: Import) -> None:
+    """Imports all buttons with a pin of their own. The level of an analog button on its pin would
+    press it at the wrong time."""
+    for section in job.config.of("gcode_button"):
+        if "analog_range" in section.options:
+            row = TABLE.notes("gcode_button")["analog_range"]
+            job.draft.dropped(section.at("analog_range"), f"[{section.name}]", row.note)
+            job.leave_out(section)
+        else:
+            job.part(section, _put_button, "the button")
+
+
+def _put_button(job: Import, section: Section) -> None:
+    job.put("gcode_button", section, name=part_name(section.rest or section.kind))
 
 
 def _put_sensor(job: Import, section: Section) -> None:
