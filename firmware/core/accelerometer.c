@@ -16,17 +16,17 @@ DECL_REPORT(
     " possible_overflows=%hu");
 
 #define READ 0x80
-#define SEVERAL 0x40  // of an ADXL345: the address counts on
+#define SEVERAL 0x40  // ADXL345: the register address increments with each byte
 #define ADXL_DATA 0x32
 #define ADXL_FIFO 0x39
-#define ADXL_FIFO_SETTING 0x90  // the host's: the FIFO keeps the newest samples
+#define ADXL_FIFO_SETTING 0x90  // set by the host: the FIFO keeps the newest samples
 #define ADXL_BYTES 5
 #define LIS_DATA 0x28
 #define LIS_FIFO 0x2f
 #define LIS_OVERFLOW 0x40
 #define LIS_BYTES 6
 #define FIFO_DEEP 32
-#define DISTURBED 0xff  // in place of a number of samples
+#define DISTURBED 0xff  // returned in place of a number of samples
 
 enum { BUS_SPI, BUS_I2C };
 
@@ -51,10 +51,10 @@ static uint8_t spi_register(const struct accelerometer *it, uint8_t address) {
   return bytes[1];
 }
 
-// The upper bits of a number of 13 bits are those of its sign.
+// Extends the sign of a 13-bit number.
 static bool extended(uint8_t high) { return (high & 0xf0) == 0 || (high & 0xf0) == 0xf0; }
 
-// Each of these appends samples to the block; true if the FIFO may hold more.
+// Each function appends samples to the block. Returns true if the FIFO may hold more.
 static bool take_adxl345(struct accelerometer *it, uint8_t *to) {
   uint8_t in[9] = {ADXL_DATA | READ | SEVERAL};
   spi_exchange(it->spi, in, sizeof in);
@@ -62,7 +62,7 @@ static bool take_adxl345(struct accelerometer *it, uint8_t *to) {
   uint8_t left = in[8] & 0x7f;
   if (!extended(in[2]) || !extended(in[4]) || !extended(in[6]) || in[7] != ADXL_FIFO_SETTING ||
       left > FIFO_DEEP) {
-    memset(to, 0xff, ADXL_BYTES);  // a disturbed transfer
+    memset(to, 0xff, ADXL_BYTES);  // reads of a disturbed transfer
     return false;
   }
   to[0] = in[1];
@@ -74,7 +74,8 @@ static bool take_adxl345(struct accelerometer *it, uint8_t *to) {
   return left > 1;
 }
 
-// The number of samples that wait, according to the register; DISTURBED if no FIFO has so many.
+// Returns the number of samples in the FIFO, or DISTURBED if the register exceeds the size of the
+// FIFO.
 static uint8_t lis_waiting(struct accelerometer *it, uint8_t state) {
   uint8_t samples = state & 0x3f;
   if (samples > FIFO_DEEP) return DISTURBED;
@@ -96,9 +97,9 @@ static uint8_t i2c_waiting(struct accelerometer *it) {
   return status == I2C_SUCCESS ? lis_waiting(it, state) : DISTURBED;
 }
 
-// The bus is slow: one transfer takes all samples that wait and fit. After a transfer that the chip
-// has not acknowledged they wait until the next time, or until the chip tells that its FIFO has
-// overflowed.
+// The bus is slow, so one transfer takes as many samples as fit. After a transfer that the chip has
+// not acknowledged, samples wait until the next read, or until the chip reports an overflow of its
+// FIFO.
 static bool take_lis2dw_i2c(struct accelerometer *it, uint8_t *to) {
   uint8_t waiting = i2c_waiting(it), address = LIS_DATA;
   if (waiting == DISTURBED || waiting == 0) return false;
@@ -115,7 +116,7 @@ static bool take(struct accelerometer *it) {
   return it->lis2dw ? take_lis2dw_spi(it, to) : take_adxl345(it, to);
 }
 
-// Takes a few samples of each that is due: other tasks run in between.
+// Takes a few samples of each accelerometer that is due, so that other tasks run in between.
 DECL_TASK(accelerometer_task, BUSES);
 void accelerometer_task(void) {
   struct accelerometer *it;
@@ -127,7 +128,7 @@ void accelerometer_task(void) {
       report_bytes(REPORT_SENSOR_BULK_DATA, values, 2, it->block, it->size);
       it->size = 0;
     }
-    // More than its FIFO can hold: the answers are not those of the chip.
+    // More samples than the FIFO holds: the answers do not come from the chip.
     if (more && ++it->taken < FIFO_DEEP) {
       task_wake();
       continue;
@@ -140,7 +141,7 @@ void accelerometer_task(void) {
   }
 }
 
-// Some hosts give the device its bus later: it is needed from the first transfer on.
+// Some hosts assign the bus later, but before the first transfer.
 static bool check_bus(const struct accelerometer *it) {
   if (it->spi != NULL ? it->spi->has_bus : it->i2c->has_bus) return true;
   shut_down(it->spi != NULL ? SHUTDOWN_SPI_NO_BUS : SHUTDOWN_I2C_NO_BUS);
@@ -190,7 +191,7 @@ static void tell_state(const uint32_t *args) {
   if (it == NULL || !check_bus(it)) return;
   uint32_t clock = hal_clock();
   uint8_t samples = waiting(it);
-  if (samples > FIFO_DEEP) return;  // a disturbed transfer: the host asks again
+  if (samples > FIFO_DEEP) return;  // the transfer was disturbed: the host asks again
   uint32_t ticks = hal_clock() - clock, buffered = it->size + (uint32_t)samples * sample_bytes(it);
   uint32_t values[] = {args[0], clock, ticks, it->sequence, buffered, it->overflows};
   report(REPORT_SENSOR_BULK_STATUS, values, 6);

@@ -9,18 +9,18 @@
 #include "scheduler.h"
 #include "spi.h"
 
-#define BLOCK_BYTES 51  // as much as a report takes
+#define BLOCK_BYTES 51  // maximum size of a report
 
 struct accelerometer {
   struct object object;
   struct timer timer;
-  const struct spi *spi;  // or null, and
+  const struct spi *spi;  // or null
   struct i2c *i2c;
   uint32_t rest_ticks;
   uint16_t sequence, overflows;
   bool lis2dw;
   volatile bool due;
-  uint8_t taken;  // samples since it was due
-  uint8_t size;   // of `block`
+  uint8_t taken;  // samples since the last read was due
+  uint8_t size;   // bytes used in `block`
   uint8_t block[BLOCK_BYTES];
 };

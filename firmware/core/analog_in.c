@@ -10,12 +10,12 @@ DECL_SHUTDOWN_REASON(ADC_RANGE, "ADC out of range");
 DECL_SHUTDOWN_REASON(ADC_SILENT, "ADC gives no value");
 DECL_SHUTDOWN_REASON(ADC_PIN, "Not a valid ADC pin");
 
-// Maximum time of a converter, including all that wait for it.
+// Maximum duration of a conversion, including all conversions before it.
 #define SILENT (HAL_CLOCK_HZ / 10)
 
-// Takes a complete sum.
+// Stores a complete sum.
 static void take(struct analog_in *in) {
-  if (in->ready) in->size = in->ready = 0;  // the foreground did not come to send it
+  if (in->ready) in->size = in->ready = 0;  // the foreground has not sent the last one yet
   in->values[in->size++] = (uint8_t)in->sum;
   in->values[in->size++] = (uint8_t)(in->sum >> 8);
   if (in->size >= in->query.report_size) {
@@ -35,7 +35,7 @@ static bool run(struct timer *timer) {
   uint16_t value;
   if (!hal_analog_read(&in->analog, &value)) {
     if (hal_clock() - in->due > SILENT) {
-      shut_down(SHUTDOWN_ADC_SILENT);  // otherwise the heat would not be monitored
+      shut_down(SHUTDOWN_ADC_SILENT);  // otherwise the temperature would not be monitored
       return false;
     }
     timer->wake = hal_clock() + HAL_ANALOG_WAIT;

@@ -14,23 +14,23 @@
 struct analog_query {
   uint32_t sample_ticks, rest_ticks;
   uint16_t minimum, maximum;
-  uint8_t sample_count;  // 0: no more
-  uint8_t range_checks;  // 0: none
-  uint8_t report_size;   // bytes that make a report
+  uint8_t sample_count;  // 0: no more samples
+  uint8_t range_checks;  // 0: no reports
+  uint8_t report_size;   // bytes of a report
 };
 
 struct analog_in {
   struct object object;
   struct hal_analog analog;
   struct timer timer;
-  struct analog_query query;  // the foreground's, while the timer does not run
+  struct analog_query query;  // written by the foreground while the timer is stopped
   // Written by the timer; by the foreground under hal_irq_save().
-  uint32_t due;    // the sample that is waited for
-  uint32_t begin;  // first sample of the sum that comes next
+  uint32_t due;    // number of the sample that is read next
+  uint32_t begin;  // first sample of the next sum
   uint32_t sum;
   uint8_t samples, outside;
-  bool watching;        // sums have a range; the foreground's
-  uint8_t size, ready;  // bytes of `values`; and how many of them make a report, 0 until then
+  bool watching;        // sums have a range; written by the foreground
+  uint8_t size, ready;  // bytes in `values`, and bytes of a report (0: no report)
   uint8_t values[2 * ANALOG_VALUES_MAX];
 };
 

@@ -1,4 +1,4 @@
-// Analog inputs as newer hosts ask for them: several sums in a report.
+// Analog inputs of newer hosts: one report holds several sums.
 #include "analog_in.h"
 #include "command.h"
 

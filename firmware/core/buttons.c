@@ -22,7 +22,7 @@ static bool run(struct timer *timer) {
   for (uint8_t i = 0; i < buttons->count; ++i)
     if (buttons->added >> i & 1) state |= (uint8_t)(hal_input_read(&buttons->inputs[i]) << i);
   state ^= buttons->invert;
-  uint8_t settled = (uint8_t)~(state ^ buttons->seen);  // bits: one may bounce for itself
+  uint8_t settled = (uint8_t)~(state ^ buttons->seen);  // bits that are equal in two samples
   uint8_t next = (uint8_t)((buttons->told & ~settled) | (state & settled));
   buttons->seen = state;
   if (next != buttons->told && buttons->unacknowledged < BUTTON_STATES) {
@@ -38,7 +38,7 @@ static bool run(struct timer *timer) {
 static void stop(void *object) { timer_remove(&((struct buttons *)object)->timer); }
 static const struct object_kind kind = {OBJECT_BUTTONS, stop};
 
-// Reports what is new, or not acknowledged.
+// Reports new states, and states that the host has not acknowledged.
 DECL_TASK(buttons_task, INPUTS);
 void buttons_task(void) {
   struct buttons *buttons;
@@ -50,7 +50,7 @@ void buttons_task(void) {
     memcpy(states, buttons->states, sizeof states);
     buttons->unreported = false;
     hal_irq_restore(irq);
-    // If the console has no space, it is reported again like a state that was lost on the wire.
+    // If the console is full, the state is sent again later, like one that was lost on the wire.
     if (due)
       report_bytes(REPORT_BUTTONS_STATE, (uint32_t[]){(uint8_t)oid, acknowledged}, 2, states, size);
   }

@@ -1,6 +1,6 @@
-// Buttons and encoders: up to eight inputs sampled together. A level counts if two samples in a row
-// agree, whatever the other inputs do. Each new state is kept until the host acknowledges it;
-// unacknowledged states are reported again after so many samples.
+// Buttons and encoders: up to eight inputs that are sampled together. A level counts when two
+// samples in a row agree; other inputs do not matter. Each new state is kept until the host
+// acknowledges it. Unacknowledged states are reported again after a number of samples.
 #pragma once
 #include <stdbool.h>
 #include <stdint.h>
@@ -15,15 +15,15 @@
 struct buttons {
   struct object object;
   struct timer timer;
-  // The foreground's, while the timer does not run.
+  // Written by the foreground while the timer is stopped.
   uint32_t rest_ticks;
   uint8_t count, invert, retransmit_count;
-  uint8_t added;  // a bit for each input that has its pin
+  uint8_t added;  // one bit for each input with a pin
   // Written by foreground and timer under hal_irq_save().
-  uint8_t seen, told;                    // the last look; the last state kept
-  uint8_t unacknowledged, acknowledged;  // how many states
-  uint8_t wait;                          // samples until they are reported again, if there are any
+  uint8_t seen, told;                    // last sample; last state
+  uint8_t unacknowledged, acknowledged;  // number of states
+  uint8_t wait;                          // samples until unacknowledged states are reported again
   bool unreported;
   uint8_t states[BUTTON_STATES];
-  struct hal_input inputs[];  // `count`
+  struct hal_input inputs[];  // size: `count`
 };

@@ -6,7 +6,7 @@ uint32_t read_vlq(struct reader *reader) {
   const uint8_t *at = reader->at, *end = reader->end;
   if (at == NULL || at == end) goto cut_short;
   uint8_t byte = *at++;
-  // Most numbers take two bytes at most: 8-bit chips reckon with 16 bits as long as they can.
+  // Most numbers take at most two bytes, so 8-bit chips calculate with 16 bits as long as possible.
   int16_t low = byte & 0x7f;
   if ((byte & 0x60) == 0x60) low |= ~0x1f;
   if (!(byte & 0x80)) {

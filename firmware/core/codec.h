@@ -6,7 +6,7 @@
 
 #include "hal.h"
 
-// The most bytes that a number takes.
+// Maximum size of a number in bytes.
 #define VLQ_MAX 5
 
 #ifndef hal_crc16
@@ -19,7 +19,7 @@ static inline uint16_t hal_crc16(uint16_t crc, uint8_t byte) {
 }
 #endif
 
-// Where values are read from; `at` becomes null for good when they end too early.
+// The source of values. `at` becomes null, and stays null, if a value is incomplete.
 struct reader {
   const uint8_t *at, *end;
 };

@@ -12,7 +12,7 @@ static const uint8_t *bytes_at;
 
 const uint8_t *command_bytes(void) { return bytes_at; }
 
-// Reads the arguments of one command; false if they are not as declared.
+// Reads the arguments of one command; returns false if they do not match its declaration.
 static bool read_arguments(struct reader *in, const struct command *row, uint32_t *args) {
   uint32_t types = hal_const32(&row->types);
   for (uint8_t left = hal_const8(&row->parameters); left > 0; --left, types >>= 2, ++args) {

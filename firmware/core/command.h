@@ -8,14 +8,14 @@
 
 #define ARGUMENTS_MAX 12
 
-// The encoding and the range of a value; two bits for each parameter. A signed word is taken as a
-// long, and its handler cuts it.
+// Encoding and range of a value; two bits for each parameter. A signed 16-bit parameter is read as
+// a long; its handler truncates it.
 enum { TYPE_LONG, TYPE_WORD, TYPE_BYTE, TYPE_BYTES };
 
 // A row of the table that the build makes: commands[id - COMMAND_FIRST].
 struct command {
   void (*run)(const uint32_t *args);
-  uint32_t types;  // the first parameter's in the lowest bits
+  uint32_t types;  // the first parameter in the lowest bits
   uint8_t parameters, flags;
 };
 extern const struct command HAL_CONST commands[COMMAND_COUNT];
@@ -30,7 +30,7 @@ extern const uint16_t dictionary_size;
 
 // Executes the commands of one payload; a malformed one shuts down. Foreground.
 void command_run(const uint8_t *payload, const uint8_t *end);
-// The bytes of the command that is being executed; args[] holds how many.
+// The bytes of the current command's byte parameter n; args[n] is their number.
 const uint8_t *command_bytes(void);
 
 // Sends a report of `count` values, at most ARGUMENTS_MAX. False if the console has no space. The

@@ -20,10 +20,10 @@ DECL_CONSTANT("STATS_SUMSQ_BASE", 256);
 #define STATS_PERIOD (5 * (uint32_t)HAL_CLOCK_HZ)
 #define IDENTIFY_MAX 48
 
-static uint32_t high, low;  // the clock when it was last looked at
+static uint32_t high, low;  // clock of the last pass
 static bool starting;
-// The load since `stats_since`: passes of the foreground, ticks that busy ones took, and the sum of
-// their squares in units of SUMSQ_BASE.
+// The load since `stats_since`: the number of passes of the foreground, the ticks of the busy ones,
+// and the sum of their squares in units of SUMSQ_BASE.
 static uint32_t stats_since, passes, ticks, squares;
 static bool heartbeat_run(struct timer *timer);
 static struct timer heartbeat = {.run = heartbeat_run, .lasting = true};

@@ -5,6 +5,6 @@
 
 // Once after each reset, with interrupts off or on. `clock_high`: see control_start().
 void core_start(uint32_t clock_high);
-// One pass of the foreground; false if it found nothing to do. To be called for ever; when it is
-// false the chip may sleep until an interrupt.
+// Runs one pass of the foreground; returns false if there was nothing to do. Call it in a loop;
+// after false the chip may sleep until an interrupt.
 bool core_task(void);

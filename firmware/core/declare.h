@@ -43,7 +43,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-// The command is also obeyed after a shutdown.
+// The command also works after a shutdown.
 #define IN_SHUTDOWN 1
 
 #define DECL_COMMAND(handler, format, flags) void handler(const uint32_t *args)

@@ -80,8 +80,7 @@ void command_endstop_query_state(const uint32_t *args) {
   struct endstop *endstop = object_get(args[0], OBJECT_ENDSTOP);
   if (endstop == NULL) return;
   hal_irq_t irq = hal_irq_save();
-  // The first trigger is found one sample after the last open one, so that the host can compute its
-  // time.
+  // The host computes the time of the trigger: one sample after the last open one.
   uint32_t clock =
       endstop->hits > 0 ? endstop->first_hit + endstop->rest_ticks : endstop->timer.wake;
   uint32_t values[] = {args[0], endstop->armed, clock, hal_input_read(&endstop->input)};

@@ -1,5 +1,5 @@
-// Switches that trigger a group of motors. A switch is looked at every `rest_ticks`; `sample_count`
-// equal samples, `sample_ticks` apart, trigger.
+// Endstops, which trigger a group of motors. An endstop is sampled every `rest_ticks`;
+// `sample_count` equal samples, `sample_ticks` apart, trigger it.
 #pragma once
 #include <stdbool.h>
 #include <stdint.h>
@@ -13,7 +13,7 @@ struct endstop {
   struct object object;
   struct hal_input input;
   struct timer timer;
-  // The foreground's, while not armed.
+  // Written by the foreground while not armed.
   struct trsync *group;
   uint32_t sample_ticks, rest_ticks;
   uint8_t sample_count, reason;

@@ -12,7 +12,7 @@
 struct frame_counts frame_counts;
 
 static uint8_t received[FRAME_MAX];
-static uint8_t size;   // bytes of `received`; no frame is complete in them
+static uint8_t size;   // bytes in `received`, without a complete frame
 static bool skipping;  // up to the next sync
 static uint8_t sequence;
 
@@ -48,7 +48,7 @@ static void acknowledge(void) {
   frame_send(frame, frame + FRAME_HEADER);
 }
 
-// Drops bytes that are not a frame, up to the sync after them.
+// Drops bytes that do not belong to a frame, up to the next sync.
 static void skip(void) {
   const uint8_t *sync = memchr(received, FRAME_SYNC, size);
   skipping = sync == NULL;
@@ -71,7 +71,7 @@ static bool complete(void) {
          trailer[1] == (uint8_t)crc;
 }
 
-// Looks at the bytes received; true if they did for a frame, good or bad.
+// Checks the received bytes; returns true if they contain a complete frame, good or bad.
 static bool examine(void (*execute)(const uint8_t *payload, const uint8_t *end)) {
   while (size > 0 && received[0] == FRAME_SYNC) {
     --size;
@@ -103,7 +103,7 @@ static bool examine(void (*execute)(const uint8_t *payload, const uint8_t *end))
 }
 
 bool frame_task(void (*execute)(const uint8_t *payload, const uint8_t *end)) {
-  // The rest after a bad frame may hold another.
+  // The bytes after a bad frame may contain another frame.
   if (hal_console_room() < FRAME_MAX) return false;
   if (size > 0 && examine(execute)) return true;
   int16_t byte;
@@ -113,7 +113,7 @@ bool frame_task(void (*execute)(const uint8_t *payload, const uint8_t *end)) {
       continue;
     }
     received[size++] = (uint8_t)byte;
-    // Only these bytes can end or spoil a frame.
+    // Only these bytes can end a frame or make it bad.
     if ((size <= 2 || size == received[0]) && examine(execute)) return true;
   }
   return false;

@@ -14,14 +14,14 @@
 #define FRAME_TRAILER 3
 #define FRAME_SYNC 0x7e
 
-// The traffic on the wire since the start.
+// Number of bytes and frames since the start.
 struct frame_counts {
-  uint32_t frames, naks, dropped;  // executed; refused; answers for which there was no room
+  uint32_t frames, naks, dropped;  // executed; refused; answers dropped by a full console
 };
 extern struct frame_counts frame_counts;
 
-// Takes the received bytes, at most one frame, whose payload `execute` gets; false if there was
-// nothing to do.
+// Takes at most one frame from the received bytes, and passes its payload to `execute`. Returns
+// false if there was nothing to do.
 bool frame_task(void (*execute)(const uint8_t *payload, const uint8_t *end));
 // Completes and sends the frame whose payload ends at `end`, with FRAME_HEADER bytes free in front
 // and FRAME_TRAILER after it. False if the console has no space.

@@ -10,4 +10,4 @@ void hooks_task(void);        // all other tasks
 void hooks_shut_down(void);
 void hooks_clear_shutdown(void);
 void hooks_pool_empty(void);
-bool hooks_watch(void);  // whether one of them is true
+bool hooks_watch(void);  // true if one of them returns true

@@ -8,11 +8,12 @@ DECL_SHUTDOWN_REASON(I2C_PINS, "Pins cannot make an I2C bus");
 DECL_SHUTDOWN_REASON(I2C_NO_BUS, "I2C device without a bus");
 DECL_SHUTDOWN_REASON(I2C_TOO_SLOW, "I2C clock too slow for this board");
 
-#define STRETCH_PULSES 1000  // so long, in all of a transfer, devices may hold the clock low
+#define STRETCH_PULSES 1000  // maximum time in a transfer that devices may hold the clock low
 
 static const struct object_kind kind = {OBJECT_I2C, NULL};
 
-// Turning a pin around takes a chip about a microsecond: only where that changes its level.
+// Changing the direction of a pin takes about a microsecond, so it is done only when the level
+// changes.
 static void set(struct i2c_line *line, bool high) {
   if (line->released == high) return;
   line->released = high;
@@ -24,7 +25,7 @@ static void set(struct i2c_line *line, bool high) {
 static void pull(struct i2c_line *line) { set(line, false); }
 static void let_go(struct i2c_line *line) { set(line, true); }
 
-// Lets the clock rise, and waits for a device that still holds it.
+// Releases the clock, and waits while a device holds it low.
 static void rise(struct i2c *i2c) {
   let_go(&i2c->clock);
   HAL_WAIT(i2c->pulse_ticks);
@@ -32,8 +33,8 @@ static void rise(struct i2c *i2c) {
     HAL_WAIT(i2c->pulse_ticks);
 }
 
-// One bit, either way: the line is read while the clock is high, which of a bit that is sent gives
-// the bit itself unless a device pulls.
+// Sends or receives one bit. The line is sampled while the clock is high; a sent bit reads back
+// unless a device pulls the line low.
 static bool bit(struct i2c *i2c, bool value) {
   set(&i2c->data, value);
   HAL_WAIT(i2c->pulse_ticks);
@@ -43,7 +44,7 @@ static bool bit(struct i2c *i2c, bool value) {
   return seen;
 }
 
-// Begins, also in the midst of a transfer.
+// Sends a start condition, also in the middle of a transfer.
 static void start(struct i2c *i2c) {
   let_go(&i2c->data);
   HAL_WAIT(i2c->pulse_ticks);
@@ -61,7 +62,7 @@ static void stop(struct i2c *i2c) {
   HAL_WAIT(i2c->pulse_ticks);
 }
 
-// True if the device has taken it.
+// Sends a byte; returns true if the device acknowledges it.
 static bool send(struct i2c *i2c, uint8_t byte) {
   for (uint8_t i = 0; i < 8; ++i) bit(i2c, byte >> (7 - i) & 1);
   return !bit(i2c, true);

@@ -1,5 +1,5 @@
-// I2C over any two pins, by software, as the only master. A line is pulled low or released; the
-// pull-ups are those of the bus, and the pins'.
+// I2C over any two pins, by software, as the only master. A line is pulled low or released; pull-up
+// resistors of the bus and of the pins pull it high.
 #pragma once
 #include <stdbool.h>
 #include <stdint.h>
@@ -7,8 +7,8 @@
 #include "hal.h"
 #include "object.h"
 
-// How a transfer ended: the device has taken all; it has refused a byte; it, or another device,
-// held the clock low; it has not answered to its address, to write or to read.
+// Result of a transfer: success; a byte was not acknowledged; a device held the clock low for too
+// long; the address was not acknowledged, for writing or for reading.
 enum i2c_status {
   I2C_SUCCESS,
   I2C_NACK,
@@ -27,14 +27,14 @@ struct i2c_line {
 struct i2c {
   struct object object;
   struct i2c_line clock, data;
-  uint16_t pulse_ticks;  // half a bit, at least
+  uint16_t pulse_ticks;  // minimum duration of half a bit
   uint8_t address;       // in the upper seven bits
   bool has_bus;
-  uint16_t patience;  // pulses; none left: the clock stays low
+  uint16_t patience;  // remaining pulses; at 0 the clock stays low
 };
 
-// The device if it has its bus, or null after a shutdown. Foreground.
+// Returns the device if its bus is set up; otherwise shuts down and returns null. Foreground.
 struct i2c *i2c_get(uint32_t oid);
-// Writes bytes, then reads some into `in`, which is incomplete after an error. Foreground.
+// Writes bytes, then reads bytes into `in`, which is incomplete after an error. Foreground.
 enum i2c_status i2c_exchange(struct i2c *i2c, const uint8_t *out, uint8_t out_size, uint8_t *in,
                              uint8_t in_size);

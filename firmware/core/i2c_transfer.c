@@ -1,4 +1,4 @@
-// Transfers over I2C that the host asks for.
+// I2C transfers that the host requests.
 #include <string.h>
 
 #include "command.h"

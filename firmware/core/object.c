@@ -81,7 +81,7 @@ void *object_next(int16_t *oid, uint8_t type) {
   return NULL;
 }
 
-// In the order of their numbers.
+// In ascending order of their numbers.
 DECL_ON_SHUTDOWN(objects_shut_down);
 void objects_shut_down(void) {
   for (uint8_t oid = 0; oid < object_count; ++oid) {

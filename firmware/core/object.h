@@ -27,31 +27,33 @@ enum object_type {
   OBJECT_ACCELEROMETER,
 };
 
-// A function for every object of one kind.
+// A function that is called for each object of one kind.
 struct object_kind {
   uint8_t type;
   void (*shut_down)(void *object);  // under hal_irq_save(), any context; or null
 };
 
-// Begins every object.
+// Common header of all objects.
 struct object {
   const struct object_kind *kind;
 };
 
-// A new object, zeroed. Null, after a shutdown, if the number is taken or the arena is full.
+// Creates a zeroed object. Shuts down and returns null if the number is taken or the arena is full.
 void *object_add(uint32_t oid, const struct object_kind *kind, size_t size);
-// The object of this type, or null after a shutdown. The second form looks without consequences.
+// Returns the object of this type. Without one, the first form shuts down and returns null; the
+// second form only returns null.
 void *object_get(uint32_t oid, uint8_t type);
 void *object_find(uint32_t oid, uint8_t type);
 // The next object of this type after *oid (start with -1), or null; for (;;) over all of them.
 void *object_next(int16_t *oid, uint8_t type);
 
-// Whether the configuration is complete. The second form shuts down if it is not.
+// Returns whether the configuration is complete. The second form shuts down if it is not.
 bool is_finalized(void);
 bool check_finalized(void);
 // Slots in the pool, 0 before the configuration is complete.
 uint16_t move_count(void);
-// A slot, or null after a shutdown. If none is free, DECL_ON_POOL_EMPTY may free some. Foreground.
+// Takes a slot; shuts down and returns null if there is none. If no slot is free,
+// DECL_ON_POOL_EMPTY may free some first. Foreground.
 struct move *move_take(void);
-// Any context.
+// Returns a slot to the pool. Any context.
 void move_free(struct move *move);

@@ -25,7 +25,7 @@ static void write_level(struct output *output, bool level) {
   hal_output_write(&output->digital, level);
 }
 
-// The output takes `value` at `clock`, which is now or was due a moment ago.
+// Sets the output to `value` at `clock`, which is now or shortly past.
 static void set(struct output *output, uint32_t clock, uint32_t value) {
   output->value = value;
   output->watched = output->max_duration != 0 && value != output->default_value;
@@ -42,7 +42,7 @@ static void set(struct output *output, uint32_t clock, uint32_t value) {
   write_level(output, value != 0);
 }
 
-// The earliest of the coming events, into timer->wake; false if there is none.
+// Writes the clock of the next event to timer->wake; returns false if there is none.
 static bool plan(struct output *output) {
   bool any = false;
   uint32_t wake = 0;
@@ -60,7 +60,8 @@ static uint32_t from_default(const struct output *output, uint32_t value) {
                                        : output->default_value - value;
 }
 
-// The duration of an output has passed, and its host is gone. False if that is a reason to stop.
+// The maximum duration of an output has passed without its host. Returns false if the board must
+// shut down.
 static bool keep(struct output *output, uint32_t clock) {
   if (!output->kept || !survive_is_on()) return false;
   if (!output->keeping) output->left = output->kept_seconds;
@@ -151,14 +152,14 @@ static bool is_configured(uint32_t pin) {
   return false;
 }
 
-// A new output whose pin has been set up already: it must not run before that. False, after a
-// shutdown, if the caller must put the pin to its default, because no output does.
+// Creates an output whose pin is set up, in a state in which no timer runs. Shuts down and returns
+// false if the caller must set the pin to its default, because there is no output.
 static bool configure(uint32_t oid, const struct object_kind *kind, const struct output *wanted) {
   if ((int32_t)wanted->max_duration < 0) {
     shut_down(SHUTDOWN_DURATION_TOO_LONG);
     return is_configured(wanted->pin);
   }
-  // No timer would count the time from here on.
+  // No timer counts the duration from here on.
   if (wanted->max_duration != 0 && wanted->value != wanted->default_value) {
     shut_down(SHUTDOWN_NOT_AT_DEFAULT);
     return is_configured(wanted->pin);
@@ -211,17 +212,17 @@ void command_config_pwm_out(const uint32_t *args) {
     hal_pwm_write(&wanted.pwm, (uint16_t)wanted.default_value);
 }
 
-// While the board runs without its host, no command turns on an output that is not to be kept.
+// While the board runs without its host, commands turn on only outputs that are kept.
 static bool is_barred(const struct output *output) {
   return survive_refuses() && output->kept && output->kept_seconds == 0;
 }
 
-// A board that survives the loss of its host survives a bad link too: late values act at once,
-// except for a light, which goes off, and the board brakes.
+// A board that survives a link loss also survives a bad link: late values act at once (a light goes
+// off), and the board brakes.
 static void queue(struct output *output, uint32_t clock, uint32_t value) {
   struct change *change = (struct change *)(void *)move_take();
   if (change == NULL) return;
-  // Nothing may come between the clock and the start of its timer.
+  // No interrupt may come between reading the clock and starting the timer.
   hal_irq_t irq = hal_irq_save();
   bool late = before(clock, hal_clock()), heats = output->kept && output->kept_seconds > 0;
   if (late && output->kept && !heats) {
@@ -281,7 +282,7 @@ void command_update_digital_out(const uint32_t *args) {
   hal_irq_restore(irq);
 }
 
-// A running cycle continues until the next value.
+// The current cycle continues until the next value.
 DECL_COMMAND(command_set_digital_out_pwm_cycle, "set_digital_out_pwm_cycle oid=%c cycle_ticks=%u",
              0);
 void command_set_digital_out_pwm_cycle(const uint32_t *args) {
@@ -297,7 +298,7 @@ void command_set_digital_out_pwm_cycle(const uint32_t *args) {
     if (!output->toggling)
       output->value = output->value != 0 ? cycle : 0;
     else
-      output->kept_seconds = 0;  // its value is one of the cycle before
+      output->kept_seconds = 0;  // the value belongs to an earlier cycle
     output->default_value = output->default_value != 0 ? cycle : 0;
     output->full = cycle;
   }

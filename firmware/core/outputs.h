@@ -12,7 +12,7 @@
 #include "object.h"
 #include "scheduler.h"
 
-// A value to come; it takes one slot of the pool.
+// A scheduled value; it takes one slot of the pool.
 struct change {
   struct change *next;
   uint32_t clock, value;
@@ -27,24 +27,25 @@ struct output {
   };
   uint16_t pin;
   struct timer timer;
-  // The foreground's, while the output is at rest.
-  uint32_t full;  // the value that means fully on: the cycle of software PWM
+  // Written by the foreground while the output is idle.
+  uint32_t full;  // fully on: the cycle of software PWM in ticks
   uint32_t default_value, max_duration;
   // Written by foreground and timer under hal_irq_save().
   struct change *first, *last;
   uint32_t value;
-  uint32_t expires;                        // if `watched`
-  uint32_t toggle;                         // the next edge of software PWM, if `toggling`
-  uint32_t rest;                           // and the ticks off of each cycle
-  bool watched, toggling, level, waiting;  // waiting: the timer is going
-  // When its duration has passed while the board survives its host: this value, or the present one
-  // if that is nearer to the default, and the default when the seconds are over.
+  uint32_t expires;                        // valid if `watched`
+  uint32_t toggle;                         // next edge of software PWM; valid if `toggling`
+  uint32_t rest;                           // ticks off in each cycle
+  bool watched, toggling, level, waiting;  // the timer runs
+  // For an output whose duration passes while the board survives its host: the output takes this
+  // value, or keeps its value if that is closer to the default. After `seconds` it takes the
+  // default.
   uint32_t kept_value;
   uint8_t kept_seconds, left;
   bool kept, keeping;
 };
 
-// Sets the value of an output when the host is gone. Foreground.
+// Sets the value of an output for the time without a host. Foreground.
 void output_keep(struct output *output, uint32_t value, uint8_t seconds);
-// Outputs that are not to be kept at all go to their default. Timer context.
+// Sets outputs that are not kept to their default. Timer context.
 void outputs_hold_none(void);

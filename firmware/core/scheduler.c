@@ -7,11 +7,11 @@
 DECL_SHUTDOWN_REASON(TIMER_TOO_CLOSE, "Timer too close");
 DECL_SHUTDOWN_REASON(OVERLOADED, "Rescheduled timer in the past");
 
-// So late a timer means that the chip cannot keep up.
+// A timer that is later than this means that the chip is overloaded.
 #define LATEST (HAL_CLOCK_HZ / 10)
 
-// Written by foreground and timer under hal_irq_save(): the timer interrupt does not interrupt
-// itself, and nothing else does with these.
+// Written by foreground and timer under hal_irq_save(). The timer interrupt is not reentrant, and
+// no other interrupt uses these.
 static struct timer *first;
 static volatile bool woken;
 
@@ -25,7 +25,7 @@ DECL_ON_SHUTDOWN(task_wake);
 void task_wake(void) { woken = true; }
 
 bool task_woken(void) {
-  if (!woken) return false;  // a wake between the reading and the writing must not be lost
+  if (!woken) return false;  // a wake between the read and the write must not be lost
   woken = false;
   return true;
 }

@@ -10,27 +10,27 @@
 struct timer {
   struct timer *next;
   uint32_t wake;
-  // Timer context. True if it has to run again at the `wake` it has set, which may be past.
+  // Timer context. Returns true to run again at the `wake` that it has set, which may be past.
   bool (*run)(struct timer *timer);
-  bool lasting;  // runs on through a shutdown
+  bool lasting;  // continues during a shutdown
 };
 
 // True if clock `a` is before clock `b`.
 static inline bool before(uint32_t a, uint32_t b) { return (int32_t)(a - b) < 0; }
 
-// Called by the hardware layer: see hal.h.
+// Called by the hardware layer, see hal.h.
 void sched_interrupt(void);
 
-// Sets a timer going at timer->wake; it must not be going. Nothing happens while shut down, unless
-// it is lasting; a clock that is past shuts down. Any context but the timer's own run().
+// Starts a stopped timer at timer->wake. During a shutdown only lasting timers start. A clock in
+// the past shuts down. Any context except the timer's own run().
 void timer_add(struct timer *timer);
-// Stops a timer, going or not. Any context.
+// Stops a timer, running or not. Any context.
 void timer_remove(struct timer *timer);
 
-// Whether timers run: the watchdog is fed for that too. Foreground.
+// Returns whether timers run; otherwise the watchdog is not fed. Foreground.
 bool timers_run(void);
 
-// Makes the main loop run all tasks (DECL_TASK), as a shutdown does. Any context.
+// Makes the main loop run all tasks (DECL_TASK) once. A shutdown does the same. Any context.
 void task_wake(void);
-// True once after task_wake(). Foreground.
+// Returns true once after task_wake(). Foreground.
 bool task_woken(void);

@@ -4,7 +4,7 @@
 #include "hooks.h"
 
 // Written by foreground and timer under hal_irq_save().
-static volatile uint8_t reason;  // 0 while at work
+static volatile uint8_t reason;  // 0: not shut down
 static uint32_t stopped_at;
 
 DECL_START(shutdown_start);

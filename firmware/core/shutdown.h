@@ -12,12 +12,12 @@
 #include "declare.h"
 #include "declared.h"
 
-// `reason` is a SHUTDOWN_… number, not 0. Only the first one counts. Any context.
+// Shuts down. `reason` is a SHUTDOWN_… number, not 0. Only the first reason counts. Any context.
 void shut_down(uint8_t reason);
 bool is_shut_down(void);
-// Its number, or 0.
+// The number of the reason; 0: not shut down.
 uint8_t shutdown_reason(void);
-// The clock at the last one.
+// The clock of the last shutdown.
 uint32_t shutdown_clock(void);
-// Ends it. Foreground.
+// Ends the shutdown. Foreground.
 void shutdown_clear(void);

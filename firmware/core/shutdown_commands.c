@@ -1,4 +1,4 @@
-// The shutdown's commands, and the report of it.
+// Commands of the shutdown, and its report.
 #include "command.h"
 #include "hooks.h"
 #include "scheduler.h"
@@ -6,7 +6,7 @@
 
 DECL_SHUTDOWN_REASON(EMERGENCY_STOP, "Command request");
 DECL_REPORT("shutdown clock=%u static_string_id=%hu");
-DECL_REPORT("is_shutdown static_string_id=%hu");  // command.c: for a command that is refused
+DECL_REPORT("is_shutdown static_string_id=%hu");  // command.c calls it for a refused command
 
 // Set by any context under hal_irq_save(), cleared by the foreground.
 static volatile bool report_pending;
@@ -38,6 +38,6 @@ void command_clear_shutdown(const uint32_t *args) {
   (void)args;
   shutdown_report();
   hooks_clear_shutdown();
-  report_pending = false;  // also if the console had no room: the report would be stale
+  report_pending = false;  // also if the console was full: the report would be stale
   shutdown_clear();
 }

@@ -25,7 +25,7 @@ static uint8_t exchange(const struct spi *spi, uint8_t byte) {
 }
 
 void spi_exchange(const struct spi *spi, uint8_t *bytes, uint8_t size) {
-  hal_output_write(&spi->clock, spi->clock_rest);  // another device may need it otherwise
+  hal_output_write(&spi->clock, spi->clock_rest);  // another device may need another mode
   if (spi->has_select) hal_output_write(&spi->select, spi->select_level);
   for (; size > 0; --size, ++bytes) *bytes = exchange(spi, *bytes);
   if (spi->has_select) hal_output_write(&spi->select, !spi->select_level);
@@ -33,7 +33,7 @@ void spi_exchange(const struct spi *spi, uint8_t *bytes, uint8_t size) {
 
 static const struct object_kind kind = {OBJECT_SPI, NULL};
 
-// The shutdown may have come in the midst of a transfer: that ends first.
+// A shutdown may interrupt a transfer: that transfer ends first.
 static void send_soon(void *object) { ((struct spi_shutdown *)object)->due = true; }
 static const struct object_kind shutdown_kind = {OBJECT_SPI_SHUTDOWN, send_soon};
 
@@ -101,7 +101,7 @@ void command_config_spi_shutdown(const uint32_t *args) {
   memcpy(last->bytes, command_bytes(), args[2]);
   last->size = (uint8_t)args[2];
   last->spi = spi;
-  if (is_shut_down()) last->due = true;  // in this moment
+  if (is_shut_down()) last->due = true;  // a shutdown may have come just now
 }
 
 DECL_COMMAND(command_spi_transfer, "spi_transfer oid=%c data=%*s", 0);

@@ -1,5 +1,4 @@
-// SPI over any pins, by software: for drivers of motors and for sensors that are asked now and
-// then.
+// SPI over any pins, by software, for motor drivers and sensors that are read now and then.
 #pragma once
 #include <stdbool.h>
 #include <stdint.h>
@@ -12,13 +11,13 @@ struct spi {
   struct object object;
   struct hal_output select, clock, to_device;
   struct hal_input from_device;
-  uint16_t pulse_ticks;  // half a bit, at least
+  uint16_t pulse_ticks;  // minimum duration of half a bit
   bool has_select, select_level, has_bus;
   bool clock_rest;    // level of the clock between transfers (CPOL)
-  bool second_phase;  // data are taken at the clock's second edge (CPHA)
+  bool second_phase;  // data are sampled at the second edge of the clock (CPHA)
 };
 
-// The bytes that are sent when the board shuts down.
+// Bytes that are sent at a shutdown.
 struct spi_shutdown {
   struct object object;
   const struct spi *spi;
@@ -27,9 +26,9 @@ struct spi_shutdown {
   uint8_t bytes[];
 };
 
-// The device if it has its bus, or null after a shutdown. Foreground.
+// Returns the device if its bus is set up; otherwise shuts down and returns null. Foreground.
 struct spi *spi_get(uint32_t oid);
-// Sends bytes and puts the received ones in their place. Foreground.
+// Sends bytes, and replaces them by the received bytes. Foreground.
 void spi_exchange(const struct spi *spi, uint8_t *bytes, uint8_t size);
 // Sends the bytes for a shutdown. Foreground.
 void spi_send_last(void);

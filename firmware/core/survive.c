@@ -24,17 +24,17 @@ DECL_ENUMERATION("survive", "braking", 4);
 DECL_ENUMERATION("survive", "held", 5);
 DECL_ENUMERATION("survive", "lost", 6);
 
-// The decision falls so long before the commit's clock: time enough to queue all tails, or all
-// moves of the commit that comes just in time.
+// The board decides this long before the clock of the commit: long enough to queue all tails, or
+// all moves of a commit that arrives just in time.
 #define GUARD (HAL_CLOCK_HZ / 200)
-// The maximum time that an output may be kept, in seconds.
+// Maximum time in seconds that an output may be kept.
 #define LONGEST 60
 
 static bool decide(struct timer *timer);
 static struct timer decision = {.run = decide};
 // Decided, and the tails not queued yet. Written like survive.state.
 static volatile bool tails_pending;
-static uint32_t serial, limit;  // of the last commit; the foreground's
+static uint32_t serial, limit;  // of the last commit; written by the foreground
 
 DECL_START(survive_commits_start);
 void survive_commits_start(void) {
@@ -74,7 +74,7 @@ static bool report_state(void) {
   return report(REPORT_SURVIVE_STATE, (uint32_t[]){told, serial, limit}, 3);
 }
 
-// Of each motor in turn: the most urgent moves are the first ones.
+// One move of each motor in turn, so that the most urgent moves come first.
 static void give_staged(void) {
   struct stepper *stepper;
   for (bool more = true; more;) {
@@ -84,7 +84,8 @@ static void give_staged(void) {
   }
 }
 
-// Brakes when that was decided, before anything else can delay it; forgets all after a shutdown.
+// Queues the tails after a decision, before any other task can delay that. After a shutdown, drops
+// everything.
 DECL_TASK(survive_task, EVERY_PASS);
 DECL_ON_CLEAR_SHUTDOWN(survive_task);
 void survive_task(void) {
@@ -104,7 +105,7 @@ void survive_task(void) {
   if (survive.report_pending) survive.report_pending = !report_state();
 }
 
-// The host takes over, with motors at standstill: staged moves are void.
+// The host takes over while the motors are at standstill: staged moves are void.
 static void begin(uint8_t to) {
   struct stepper *stepper;
   if (!check_finalized()) return;
@@ -160,9 +161,9 @@ void command_survive_commit(const uint32_t *args) {
     limit = args[1];
     decision.wake = limit - GUARD;
     if (args[2] != 0)
-      ;  // nothing to decide
+      ;  // there is nothing to decide
     else if (before(decision.wake, hal_clock() + HAL_SHORTEST_PERIOD))
-      decide(&decision);  // it is nearly over already
+      decide(&decision);  // the motion has nearly ended
     else
       timer_add(&decision);
   }
@@ -175,7 +176,7 @@ void command_survive_commit(const uint32_t *args) {
   }
   for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
     stepper_forget(stepper, false);
-  // Before the acknowledgement, so that a host that has that knows.
+  // Sent before the acknowledgement, so that a host with the acknowledgement has this report, too.
   if (survive.state >= SURVIVE_BRAKING) survive.report_pending = !report_state();
 }
 

@@ -18,33 +18,32 @@
 enum {
   SURVIVE_OFF,
   SURVIVE_HOMING,   // endstops stop the motors, and no commits come
-  SURVIVE_RESTING,  // the last commit ends with motors that stand
+  SURVIVE_RESTING,  // the last commit ends at standstill
   SURVIVE_MOVING,   // the next commit must come in time
   SURVIVE_BRAKING,
   SURVIVE_HELD,
-  SURVIVE_LOST,  // a step came too late while axes homed, and the motors were stopped anywhere
+  SURVIVE_LOST,  // a step came too late while axes homed: the motors stopped at unknown positions
 };
 
-// The foreground's, and the timer's while it is SURVIVE_MOVING: the foreground needs hal_irq_save()
-// then.
+// Written by the foreground, and by the timer while the state is SURVIVE_MOVING: then the
+// foreground needs hal_irq_save().
 extern struct survive {
   volatile uint8_t state;
-  volatile bool report_pending;  // of a decision
-  bool missed;                   // see survive_miss(); the foreground's
+  volatile bool report_pending;  // clock of a decision
+  bool missed;                   // see survive_miss(); written by the foreground
 } survive;
 
-// Whether moves wait for a commit; whether they come too late for one. Foreground.
+// Returns whether moves wait for a commit; and whether moves are too late for one. Foreground.
 bool survive_stages(void);
 bool survive_refuses(void);
-// Whether an output that the host does not renew is held rather than a reason to shut down. Any
-// context.
+// Returns true if an output without a host is kept; otherwise the board shuts down. Any context.
 bool survive_is_on(void);
-// A clock of the host's; one that is past, while the board survives a bad link, becomes one that is
-// not. Any context.
+// Returns a clock of the host. While the board survives a bad link, a clock in the past becomes the
+// present one. Any context.
 uint32_t survive_in_time(uint32_t clock);
-// Whether axes home. Foreground.
+// Returns whether axes home. Foreground.
 bool survive_is_homing(void);
-// A step came too late while axes homed, and all motors have been halted. Foreground.
+// A step came too late while axes homed, and all motors have stopped. Foreground.
 void survive_lose(void);
-// The moves of the next commit came too late: it will be refused. Foreground.
+// The moves of the next commit came too late: the commit will be refused. Foreground.
 void survive_miss(void);

@@ -17,8 +17,8 @@ DECL_REPORT("thermocouple_result oid=%c next_clock=%u value=%u fault=%c");
 
 #define NO_REGISTER 0xff
 
-// How a converter is read: the register of its word, if it has registers, and its bytes; the
-// register of its faults, or the bit of the word for all of them.
+// Layout of a converter: the register of its value (if it has registers) and the number of bytes;
+// the register of its faults, or the bit of the value that means any fault.
 static const struct converter {
   uint8_t word_register, word_bytes, fault_register;
   uint32_t fault_bit;
@@ -40,7 +40,7 @@ static bool run(struct timer *timer) {
 
 static const struct object_kind kind = {OBJECT_THERMOCOUPLE, NULL};
 
-// The bytes of a register, or the word of a converter without registers; the first is the highest.
+// Reads a register, or the value of a converter without registers; the first byte is the highest.
 static uint32_t ask(const struct spi *spi, uint8_t address, uint8_t size) {
   uint8_t bytes[5] = {address}, skip = address != NO_REGISTER;
   if (!skip) bytes[0] = 0;
@@ -67,7 +67,7 @@ bool thermocouple_watches(void) {
   return false;
 }
 
-// Asks those that are due, and reports.
+// Reads the converters that are due, and reports.
 DECL_TASK(thermocouple_task, BUSES);
 void thermocouple_task(void) {
   struct thermocouple *it;

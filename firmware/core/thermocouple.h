@@ -1,6 +1,6 @@
-// Thermocouple and RTD interfaces on an SPI bus, read at regular times. Words outside their range,
-// or with a fault, several times in a row shut the board down, and with it every heater. A range of
-// all words watches neither.
+// Thermocouple and RTD interfaces on an SPI bus, read at regular times. If several values in a row
+// are out of range or have a fault, the board shuts down, and with it every heater. A range of all
+// values switches this check off.
 #pragma once
 #include <stdbool.h>
 #include <stdint.h>
@@ -14,7 +14,7 @@ struct thermocouple {
   struct timer timer;
   const struct spi *spi;
   uint32_t rest_ticks, minimum, maximum;
-  uint8_t max_faults, faults;  // in a row
+  uint8_t max_faults, faults;  // number of faults in a row
   uint8_t type;
   volatile bool due;
 };

@@ -11,17 +11,18 @@ DECL_SHUTDOWN_REASON(TMCUART_PINS, "Pins cannot make a driver's UART");
 DECL_REPORT("tmcuart_response oid=%c read=%*s");
 
 #define REST_US 200      // minimum time that the line is high before a datagram
-#define TURN_BITS 4      // from the end of a datagram until an answer is looked for
-#define LOOKS_A_BIT 4    // for its beginning, which so is found within a quarter of a bit
-#define TIMEOUT_BITS 64  // until there is none
-#define SYNC_EDGES 5     // of a start bit and 1010: four bits from the first to the last
+#define TURN_BITS 4      // from the end of a datagram until the answer is sampled
+#define LOOKS_A_BIT 4    // samples a bit while waiting for the start bit
+#define TIMEOUT_BITS 64  // time without a start bit that ends the wait
+#define SYNC_EDGES 5  // start bit and 1010: four bits between the first and the last falling edge
 #define BEGINS_WITH_SYNC(byte) (((byte) & 0x3f) == 0x2a)
 
 static struct tmcuart *of(struct timer *timer) {
   return (struct tmcuart *)((char *)timer - offsetof(struct tmcuart, timer));
 }
 
-// Returns the clock of the edge: a step between the two would be taken for its lateness.
+// Sets the level and reads the clock without interrupts: a step between the two would make the edge
+// look late. Returns the clock of the edge.
 static uint32_t drive(struct tmcuart *uart, bool level) {
   uart->level = level;
   hal_irq_t irq = hal_irq_save();
@@ -62,7 +63,7 @@ static bool look(struct timer *timer) {
   timer->wake += uart->bit_ticks / LOOKS_A_BIT;
   if (!high && uart->was_high) {
     uart->bit = 0;
-    timer->run = read_bit;  // from here on in the midst of each bit, nearly
+    timer->run = read_bit;  // the later samples are near the middle of each bit
     return true;
   }
   uart->was_high |= high;
@@ -82,8 +83,8 @@ static bool turn_around(struct timer *timer) {
   return true;
 }
 
-// The driver takes the length of a bit from the sync nibble: all bits that follow must be as long
-// as those have become, however late this timer runs.
+// The driver measures the length of a bit in the sync nibble: all later bits must have the measured
+// length, however late this timer runs.
 static void keep_time(struct tmcuart *uart, uint32_t edge) {
   if (++uart->edges > SYNC_EDGES) return;
   uint32_t late = edge - uart->timer.wake;
@@ -121,7 +122,7 @@ void tmcuart_task(void) {
   struct tmcuart *uart;
   for (int16_t oid = -1; (uart = object_next(&oid, OBJECT_TMCUART)) != NULL;) {
     if (!uart->answered) continue;
-    // A report that finds no room is missed like one that the wire has lost.
+    // A report that does not fit counts as lost on the wire.
     report_bytes(REPORT_TMCUART_RESPONSE, (uint32_t[]){(uint8_t)oid}, 1, uart->bits,
                  uart->read_bits / 8);
     uart->busy = uart->answered = false;
@@ -136,7 +137,7 @@ void command_config_tmcuart(const uint32_t *args) {
                            .pull_up = args[2] != 0,
                            .level = true,
                            .nominal_ticks = args[4]};
-  // A shutdown lets all lines rest: none may be known before its pins are its own.
+  // At a shutdown all lines are released, also those whose pins are not set up yet.
   if (args[1] > 0xffff || args[3] > 0xffff || args[4] < HAL_SHORTEST_PERIOD ||
       !hal_input_setup(&wanted.from_driver, (uint16_t)args[1], wanted.pull_up) ||
       !hal_output_setup(&wanted.to_driver, (uint16_t)args[3], true)) {
@@ -152,7 +153,7 @@ void command_config_tmcuart(const uint32_t *args) {
   hal_irq_restore(irq);
 }
 
-// Without an answer the report holds no bits; while the line is busy the command has no effect.
+// Without an answer the report holds no bits. While the line is busy, the command has no effect.
 DECL_COMMAND(command_tmcuart_send, "tmcuart_send oid=%c write=%*s read=%c", 0);
 void command_tmcuart_send(const uint32_t *args) {
   struct tmcuart *uart = object_get(args[0], OBJECT_TMCUART);

@@ -29,7 +29,7 @@ static bool run_timeout(struct timer *timer) {
   return false;
 }
 
-// As it was when it was configured; under hal_irq_save().
+// The state at the configuration; under hal_irq_save().
 static void clear(struct trsync *group) {
   timer_remove(&group->report);
   timer_remove(&group->timeout);
@@ -58,7 +58,7 @@ void trsync_trigger(struct trsync *group, uint8_t reason) {
   hal_irq_restore(irq);
 }
 
-// False if the console has no room.
+// Returns false if the console is full.
 static bool report_state(struct trsync *group, uint8_t oid) {
   hal_irq_t irq = hal_irq_save();
   uint32_t values[] = {oid, group->armed, group->reason, group->clock};

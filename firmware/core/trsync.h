@@ -10,14 +10,14 @@ struct stepper;
 
 struct trsync {
   struct object object;
-  struct timer report, timeout;  // the first continues until trsync_trigger
-  struct stepper *motors;        // the foreground's, under hal_irq_save()
-  uint32_t report_ticks;         // the foreground's, while `report` does not run
+  struct timer report, timeout;  // the first motor continues until trsync_trigger
+  struct stepper *motors;        // written by the foreground under hal_irq_save()
+  uint32_t report_ticks;         // written by the foreground while `report` is stopped
   // Written by foreground and timer under hal_irq_save().
   uint32_t clock;  // of the last event
   uint8_t reason;
   bool armed, unreported;
-  uint8_t expire_reason;  // the foreground's, while not armed
+  uint8_t expire_reason;  // written by the foreground while not armed
 };
 
 // Stops the motors if the group is armed. Any context.

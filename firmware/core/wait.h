@@ -13,6 +13,6 @@ static inline void wait(uint16_t ticks) {
 #define HAL_WAIT(ticks) wait(ticks)
 #endif
 
-// The most that half a bit of a bus by software may take: 50 us, that a message is over before a
-// watchdog bites.
+// Maximum duration of half a bit of a software bus: 50 us, so that a message ends before the
+// watchdog resets the chip.
 #define LONGEST_PULSE (HAL_CLOCK_HZ / 20000 < 0x7fff ? HAL_CLOCK_HZ / 20000 : 0x7fff)

@@ -58,20 +58,21 @@ _Noreturn void hal_reset(void);
 
 // ---- Console: foreground only
 
-// The next byte received, or -1.
+// Returns the next received byte, or -1.
 int16_t hal_console_read(void);
-// Bytes that hal_console_write() takes now without waiting; 64 at least when all has been sent.
+// Returns the bytes that hal_console_write() takes now without waiting; at least 64 when everything
+// has been sent.
 uint8_t hal_console_room(void);
 void hal_console_write(const uint8_t *data, uint8_t size);
 
 // ---- Pins: by the number that the dictionary's enumeration `pin` gives them
 
-// Each setup is false, and leaves the pin alone, if the pin cannot do this. Foreground; a pin that
-// has been both is made an output or an input again in any context.
+// Each setup returns false, and leaves the pin unchanged, if the pin does not have this function.
+// Foreground. A pin that was both input and output changes between them in any context.
 bool hal_output_setup(struct hal_output *output, uint16_t pin, bool level);
 bool hal_input_setup(struct hal_input *input, uint16_t pin, bool pull_up);
 bool hal_analog_setup(struct hal_analog *analog, uint16_t pin);
-// `cycle` is the wish; the nearest that the chip can do is taken. 0 ≤ value ≤ HAL_PWM_MAX.
+// Takes the achievable cycle nearest to `cycle`. 0 ≤ value ≤ HAL_PWM_MAX.
 bool hal_pwm_setup(struct hal_pwm *pwm, uint16_t pin, uint32_t cycle, uint16_t value);
 
 // Any context.
@@ -79,10 +80,10 @@ void hal_output_write(const struct hal_output *output, bool level);
 bool hal_input_read(const struct hal_input *input);
 void hal_pwm_write(const struct hal_pwm *pwm, uint16_t value);
 
-// Timer context. True and the value of one conversion if it is ready; otherwise starts it, when the
-// converter is free, and is false: ask again HAL_ANALOG_WAIT later.
+// Timer context. Returns true and the value when a conversion is ready. Otherwise starts one if the
+// converter is free and returns false: call it again HAL_ANALOG_WAIT later.
 bool hal_analog_read(const struct hal_analog *analog, uint16_t *value);
-// Forgets a conversion that was started and not read. Any context.
+// Drops a conversion that was started and not read. Any context.
 void hal_analog_cancel(const struct hal_analog *analog);
 
 // ---- Step generator: hal/common/stepgen.c over one alarm, or the chip's own
@@ -98,24 +99,24 @@ struct move {
   uint8_t direction;  // level of the direction pin, 0 or 1
 };
 
-// Axes are numbered from 0 in the order of their setup. `invert`: the step pin rests high. The
-// generator keeps a pulse at least `pulse_ticks` long, and changes the direction pin at once after
-// the last pulse of the move before. Foreground, before any other call for that axis.
-// False if a pin cannot do it or the axis is one too many.
+// Axes are numbered from 0 in the order of their setup. `invert`: the step pin is high at rest. A
+// pulse lasts at least `pulse_ticks`; the direction pin changes right after the last pulse of the
+// previous move. Foreground, before any other call for that axis. Returns false if a pin does not
+// have the function, or there are too many axes.
 bool stepgen_setup(uint8_t axis, uint16_t step_pin, uint16_t direction_pin, bool invert,
                    uint16_t pulse_ticks);
-// Queues a move whose first step is due at `first`; the generator needs that only if the axis is
-// idle, for the core keeps it equal to the end of what is queued plus the interval. False, and the
-// move not taken, if the axis is idle and `first` is past, or after a stop. Foreground.
+// Queues a move whose first step is due at `first`. The generator uses `first` only if the axis is
+// idle; otherwise it equals the end of the queued moves plus the interval. Returns false, and does
+// not take the move, if the axis is idle and `first` is past, or after a stop. Foreground.
 bool stepgen_append(uint8_t axis, struct move *move, uint32_t first);
-// True until the last step queued has been made. Any context.
+// Returns true until the last queued step has been made. Any context.
 bool stepgen_active(uint8_t axis);
-// No further edge from now on; what is queued is dropped, to be reclaimed. Any context, also while
-// the foreground is inside another call for the same axis.
+// Stops all further edges and drops the queued moves, which stepgen_reclaim() returns. Any context,
+// also while the foreground is in another call for the same axis.
 void stepgen_stop(uint8_t axis);
-// Takes moves again. Any context.
+// Accepts moves again. Any context.
 void stepgen_resume(uint8_t axis);
-// Steps made with direction 1 less those with direction 0, since setup. Any context.
+// Returns the steps with direction 1 minus the steps with direction 0, since setup. Any context.
 int32_t stepgen_position(uint8_t axis);
-// A move that the generator has no use for any more (as soon as it is loaded), or null. Foreground.
+// Returns a move that the generator no longer uses (as soon as it is loaded), or null. Foreground.
 struct move *stepgen_reclaim(uint8_t axis);

@@ -10,7 +10,7 @@ _Static_assert(RATIO *HAL_CLOCK_HZ == CHIP_CORE_HZ, "the core's clock is no mult
 _Static_assert(HAL_CLOCK_HZ == CHIP_CLOCK_HZ, "the chip's clock has another frequency");
 #define FARTHEST ((int32_t)(SYST_MAX / RATIO))
 
-// Touched under hal_irq_save() or by SysTick's interrupt, which nothing interrupts.
+// Accessed under hal_irq_save(), or in the interrupt of SysTick, which has the highest priority.
 static struct alarm {
   uint32_t clock;
   bool set;
@@ -20,7 +20,7 @@ static inline bool due(const struct alarm *alarm, uint32_t now) {
   return alarm->set && (int32_t)(alarm->clock - now) <= 0;
 }
 
-// An alarm that is further away than SysTick can count comes early, and asks again.
+// An alarm beyond the range of SysTick fires early; the core then asks again.
 static inline void arm(void) {
   uint32_t now = chip_clock();
   int32_t first = FARTHEST;

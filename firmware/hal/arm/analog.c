@@ -6,8 +6,8 @@
 #define ROW(pin, channel) {pin, channel},
 static const struct analog_pin inputs[] = {CHIP_ANALOG(ROW)};
 
-// The input that is being converted, and whether anybody waits for it; timer context and, for
-// cancelling, foreground.
+// The input of the current conversion, and whether a caller waits for it. Written in timer context
+// and, to cancel it, in the foreground.
 static volatile uint8_t converting;
 static volatile bool awaited;
 
@@ -39,7 +39,7 @@ bool hal_analog_read(const struct hal_analog *analog, uint16_t *value) {
   return false;
 }
 
-// A conversion under way ends by itself, and its value is thrown away.
+// A running conversion ends by itself, and its value is dropped.
 void hal_analog_cancel(const struct hal_analog *analog) {
   hal_irq_t irq = hal_irq_save();
   if (converting == analog->input) awaited = false;

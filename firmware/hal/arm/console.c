@@ -43,7 +43,7 @@ void hal_console_write(const uint8_t *data, uint8_t size) {
   hal_irq_t irq = hal_irq_save();
   sent_end = end;
   uart_ask(true);
-  // Some UARTs interrupt only when room appears, not because there is some.
+  // Some UARTs interrupt only when space becomes free, not while there is space.
   NVIC_ISPR(CHIP_UART_IRQ) = 1u << CHIP_UART_IRQ % 32;
   hal_irq_restore(irq);
 }

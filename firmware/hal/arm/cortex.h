@@ -7,7 +7,7 @@
 #define SYST_CSR REG(0xE000E010)
 #define SYST_RVR REG(0xE000E014)
 #define SYST_CVR REG(0xE000E018)
-#define SYST_ON 7  // counts the core's clock, and interrupts
+#define SYST_ON 7  // counts core cycles and interrupts
 #define SYST_MAX 0xFFFFFF
 
 #define NVIC_ISER(n) REG(0xE000E100 + 4 * ((n) / 32))
@@ -23,7 +23,7 @@
 #define SCB_SHPR3 REG(0xE000ED20)
 #define SHPR3_PENDSV_LAST 0x00F00000u
 
-// The counter of the core's cycles, which M0 cores have not.
+// Cycle counter of the core; an M0 core has none.
 #define DWT_CTRL REG(0xE0001000)
 #define DWT_CYCCNT REG(0xE0001004)
 #define SCB_DEMCR REG(0xE000EDFC)

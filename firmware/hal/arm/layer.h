@@ -17,35 +17,35 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-// Right after a reset, before variables have their values. From then on the chip restarts, with
-// outputs as after power-on, if a second or so passes without watchdog_feed().
+// Runs right after a reset, before variables are initialised. From then on the watchdog restarts
+// the chip, with outputs as after power-on, about a second after the last watchdog_feed().
 void watchdog_start(void);
 void watchdog_feed(void);  // foreground
 
-// Clocks, and the power of the used modules. No wait for a flag of an oscillator is endless: a chip
-// whose clock is wrong sends at a wrong rate, so that it cannot be put to work.
+// Sets the clocks, and powers the modules in use. Waits for oscillators are limited: with a wrong
+// clock the chip sends at a wrong baud rate, and so never starts work.
 void chip_start(void);
 _Noreturn void chip_reset(void);
 
-// The console's UART. Its interrupt is on; that of sending only on demand.
+// Sets up the console's UART. The receive interrupt is on; the send interrupt is on demand.
 void uart_start(void);
-// True and the byte if one has come.
+// Returns true and the byte if one was received.
 bool uart_take(uint8_t *byte);
-// Whether a byte can be given to it.
+// Returns whether the UART takes a byte now.
 bool uart_ready(void);
 void uart_give(uint8_t byte);
-void uart_ask(bool ready);  // whether to interrupt when uart_ready()
+void uart_ask(bool ready);  // enables the interrupt for uart_ready()
 
-// Whether there is such a pin, and it is not the console's.
+// Returns true if the pin exists and the console does not use it.
 bool pin_usable(uint16_t pin);
 
-// The converter of analog inputs.
+// The analog-to-digital converter.
 struct analog_pin {
   uint8_t pin, channel;
 };
 void analog_start(void);
 void converter_start(void);
-void converter_pin(uint16_t pin);  // connects it
+void converter_pin(uint16_t pin);  // connects the pin to the converter
 void converter_begin(const struct analog_pin *input);
-// True and the value when the conversion that was begun is done.
+// Returns true and the value when the current conversion has ended.
 bool converter_done(uint16_t *value);

@@ -9,6 +9,7 @@ struct pwm_cycle {
   uint32_t divider, top;  // cycle = divider · top ticks of the timer's clock
 };
 
-// The nearest to `cycle` ticks of the clock that a timer at `timer_hz` can do, if each step of a
-// value is to count. Dividers are 1 to `dividers`, or, with `powers`, the powers of two to there.
+// The achievable cycle nearest to `cycle` ticks, for a timer at `timer_hz` with one count for each
+// step of a value. Dividers are 1 to `dividers` or, with `powers`, the powers of two up to
+// `dividers`.
 struct pwm_cycle pwm_cycle(uint32_t cycle, uint32_t timer_hz, uint32_t dividers, bool powers);

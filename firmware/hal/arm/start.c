@@ -13,7 +13,7 @@
 extern uint32_t data_begin[], data_end[], data_load[], bss_begin[], bss_end[], stack_top[];
 extern uint32_t image_end[];
 
-// An unexpected interrupt, or a fault: the board restarts, with outputs as after power-on.
+// An unexpected interrupt or a fault restarts the board, with outputs as after power-on.
 static void unexpected(void) { chip_reset(); }
 
 typedef void (*handler)(void);
@@ -25,7 +25,7 @@ _Noreturn void reset_handler(void) {
   watchdog_start();
   for (uint32_t *to = data_begin, *from = data_load; to < data_end;) *to++ = *from++;
   for (uint32_t *to = bss_begin; to < bss_end;) *to++ = 0;
-  SCB_VTOR = (uint32_t)vectors;  // a loader may have set its own
+  SCB_VTOR = (uint32_t)vectors;  // a loader may have set another stack
   chip_start();
   alarm_start();
   console_start();
@@ -35,7 +35,8 @@ _Noreturn void reset_handler(void) {
   NVIC_IPR(CHIP_UART_IRQ) = 0x40404040u;
   NVIC_ISER(CHIP_UART_IRQ) = 1u << CHIP_UART_IRQ % 32;
   __asm__ volatile("cpsie i" ::: "memory");
-  // Watchdogs have slow clocks of their own, and some take no second word before they took one.
+  // Watchdogs have slow clocks of their own; some accept no second word until they have taken the
+  // first.
   for (uint32_t fed = chip_clock();;) {
     core_task();
     if (chip_clock() - fed < HAL_CLOCK_HZ / 100) continue;

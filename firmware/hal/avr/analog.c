@@ -6,7 +6,8 @@
 
 #define NOBODY 0xff
 
-// The channel that is being converted; timer context and, for cancelling, foreground.
+// The channel of the current conversion; written in timer context and, to cancel it, in the
+// foreground.
 static volatile uint8_t converting;
 
 void analog_start(void) {

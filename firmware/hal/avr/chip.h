@@ -17,7 +17,7 @@
 #define HAL_STEPPERS BOARD_UNITS
 #define HAL_PWM_MAX 255
 #define HAL_SHORTEST_PERIOD 200
-#define HAL_ANALOG_WAIT 1800  // 13 cycles of the converter at 1/128 of the clock, and a little
+#define HAL_ANALOG_WAIT 1800  // 13 cycles of the converter at 1/128 of the clock, and a margin
 
 #ifdef __AVR_ATmega2560__
 #define HAL_ARENA 5600
@@ -49,13 +49,13 @@ static inline void hal_irq_restore(hal_irq_t state) {
 }
 
 static inline uint16_t chip_ticks(void) {
-  hal_irq_t irq = hal_irq_save();  // the high byte's buffer is one for all timers
+  hal_irq_t irq = hal_irq_save();  // all timers share one buffer for the high byte
   uint16_t ticks = TCNT1;
   hal_irq_restore(irq);
   return ticks;
 }
 
-// Not by hal_clock(), which needs interrupts: ticks up to 0x7fff.
+// hal_clock() needs interrupts, so this does not use it: ticks up to 0x7fff.
 static inline void chip_wait(uint16_t ticks) {
   uint16_t begin = chip_ticks();
   while ((uint16_t)(chip_ticks() - begin) < ticks) continue;

@@ -8,8 +8,8 @@
 uint16_t timer_offset[6];
 static volatile uint16_t clock_high;
 
-// What timer `n` counts beyond timer 1: both low bytes are read one after the other, 2 ticks apart,
-// and hold the high bytes.
+// The offset of timer `n` from timer 1: both low bytes are read in sequence, 2 ticks apart, and
+// latch the high bytes.
 #define MEASURE(n)                                                              \
   do {                                                                          \
     uint8_t low1, low, high1, high;                                             \
@@ -49,13 +49,13 @@ uint32_t hal_clock(void) {
   return now.clock;
 }
 
-// The alarm: a compare of 16 bits, or of 8 bits in units of 64 ticks. One that is further away
-// comes early, which hal_alarm() allows.
+// The alarm: a 16-bit compare, or an 8-bit compare in units of 64 ticks. An alarm beyond that range
+// fires early, which hal_alarm() allows.
 #ifdef TCNT5
 #define ALARM_MASK TIMSK5
 #define ALARM_FLAGS TIFR5
 #define ALARM_BIT OCIE5C
-#define SOONEST 40  // ticks to the alarm of a clock that is past
+#define SOONEST 40  // ticks to the alarm for a clock in the past
 #else
 #define ALARM_MASK TIMSK2
 #define ALARM_FLAGS TIFR2
@@ -70,7 +70,7 @@ static volatile uint32_t asked_for;
 static void set_alarm(uint32_t clock) {
   ALARM_MASK |= 1 << ALARM_BIT;
 #ifdef TCNT5
-  // Before the clock is read: a match that comes later cannot be missed.
+  // Set before the clock is read, so that a later match is not missed.
   OCR5C = (uint16_t)clock + timer_offset[5];
   ALARM_FLAGS = 1 << ALARM_BIT;
   if ((int32_t)(clock - hal_clock()) <= 0) OCR5C = TCNT5 + SOONEST;
@@ -97,7 +97,7 @@ void hal_alarm(uint32_t clock) {
 // interrupts of two alarms do not nest.
 void alarm_due(void) {
   cli();
-  ALARM_MASK &= (uint8_t)~(1 << ALARM_BIT);  // it could match again before the timers are through
+  ALARM_MASK &= (uint8_t)~(1 << ALARM_BIT);  // another match may come before the timers have run
   running = true;
   asked = false;
   sei();

@@ -10,14 +10,14 @@
 #include "scheduler.h"
 #include "stepgen.h"
 
-// A boot loader may leave the watchdog running, and after a reset by the watchdog it runs with its
-// shortest time.
+// A boot loader may leave the watchdog on; and after a reset by the watchdog, the watchdog runs
+// with its shortest timeout.
 __attribute__((naked, used, section(".init3"))) static void stop_watchdog(void) {
   MCUSR = 0;
   wdt_disable();
 }
 
-// Puts the chip's modules and pins into the state they have after a reset of the chip.
+// Restores the modules and pins to their state after a reset.
 static void clear(void) {
   TIMSK0 = TIMSK1 = TIMSK2 = TIMSK3 = 0;
   TCCR0A = TCCR0B = TCCR1B = TCCR2A = TCCR2B = TCCR3B = 0;
@@ -31,7 +31,7 @@ static void clear(void) {
     if (pin_find(pin, &port, &mask)) pin_make_input(port, mask, false);
 }
 
-// Not by the watchdog, whose reset some boot loaders do not survive.
+// The watchdog is not used here, because some boot loaders hang after its reset.
 void hal_reset(void) {
   cli();
   clear();
@@ -46,7 +46,7 @@ int main(void) {
   analog_start();
   stepgen_start();
   core_start(0);
-  // A board whose foreground or timers hang, or have no time left, restarts with its pins as
+  // If the foreground or the timers hang, or are overloaded, the board restarts with its pins as
   // inputs.
   wdt_enable(WDTO_1S);
   sei();

@@ -7,7 +7,7 @@
 
 struct port {
   volatile uint8_t *pin;
-  uint8_t bits;  // that are pins
+  uint8_t bits;  // mask of the existing pins
 };
 
 static const struct port ports[] PROGMEM = {

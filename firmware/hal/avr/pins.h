@@ -19,8 +19,8 @@ enum {
   PORT_L
 };
 
-// The address of the pin's PINx and its bit; false if the chip has no such pin, or the console has
-// it.
+// Returns the address of the pin's PINx and its bit; false if the chip has no such pin, or the
+// console uses it.
 bool pin_find(uint16_t pin, volatile uint8_t **port, uint8_t *mask);
 void pin_make_output(volatile uint8_t *port, uint8_t mask, bool level);
 void pin_make_input(volatile uint8_t *port, uint8_t mask, bool pull_up);

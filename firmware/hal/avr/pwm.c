@@ -1,5 +1,5 @@
-// Pulse width modulation by the 8-bit timers, in their phase correct mode: 0 is always low, 255
-// always high. The two outputs of a timer have one cycle.
+// Pulse width modulation by the 8-bit timers in phase correct mode: 0 is always low, 255 always
+// high. Both outputs of a timer share one cycle.
 #include "hal.h"
 #include "pins.h"
 
@@ -7,7 +7,7 @@
 
 struct channel {
   uint8_t pin, connect;
-  volatile uint8_t *compare, *mode;  // OCRnx; TCCRnA, with TCCRnB after it
+  volatile uint8_t *compare, *mode;  // OCRnx; TCCRnA, directly before TCCRnB
 };
 
 static const struct channel channels[] PROGMEM = {
@@ -26,7 +26,7 @@ static const struct channel channels[] PROGMEM = {
 static const uint8_t prescalers0[] PROGMEM = {0, 3, 6, 8, 10};
 static const uint8_t prescalers2[] PROGMEM = {0, 3, 5, 6, 7, 8, 10};
 
-// The clock select bits whose cycle is nearest to the wish.
+// Returns the clock select bits whose cycle is nearest to the requested one.
 static uint8_t nearest(const uint8_t *prescalers, uint8_t count, uint32_t cycle) {
   uint8_t best = 1;
   uint32_t least = UINT32_MAX;

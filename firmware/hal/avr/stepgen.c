@@ -19,9 +19,9 @@
 #include "unit.h"
 
 #define FREE_PIN 0xff
-// Ticks that it takes to set a unit going: a first step that is closer is refused.
+// Ticks that starting a unit takes: a first step that is closer is refused.
 #define SOONEST 250
-// How long a pulse is at least without waiting loops.
+// Minimum length of a pulse without waiting loops.
 #define PULSE_FIXED 34  // src/passo/toolchain/avr.py has the same value
 #define PULSE_FREE 38
 #define PULSE_MAX 480  // 30 µs at 16 MHz
@@ -58,11 +58,11 @@ struct axis {
   uint8_t bit;
   // Under hal_irq_save(), by foreground and timer context:
   int32_t position;           // as if all settled moves were complete
-  struct move *settled;       // the first that is not counted, or null
-  struct move *dropped_from;  // after a stop: where the moves begin that were not loaded
+  struct move *settled;       // the first move that is not counted, or null
+  struct move *dropped_from;  // after a stop: the first move that was not loaded
   bool dropped, stopped;
-  uint8_t direction;  // of the last move queued
-  // The foreground's.
+  uint8_t direction;  // of the last queued move
+  // Written by the foreground.
   struct move *oldest, *newest;
 };
 
@@ -73,7 +73,7 @@ void stepgen_start(void) {
   for (uint8_t i = 0; i < BOARD_UNITS; ++i) taken[i] = false;
 }
 
-// The unit for these pins, or BOARD_UNITS.
+// Returns the unit of these pins, or BOARD_UNITS.
 static uint8_t choose(uint16_t step_pin, uint16_t direction_pin, uint16_t pulse_ticks) {
   uint8_t free = BOARD_UNITS;
   for (uint8_t i = 0; i < BOARD_UNITS; ++i) {
@@ -124,13 +124,13 @@ static int32_t signed_count(uint8_t direction, uint16_t count) {
   return direction & 1 ? (int32_t)count : -(int32_t)count;
 }
 
-// Steps of the loaded move that are still to be made.
+// Returns the remaining steps of the loaded move.
 static uint16_t remaining(const volatile struct unit *unit) {
   if (unit->mode & MODE_WIDE) return unit->left;
   return (uint16_t)(unit->count_high << 8) + (unit->count ? unit->count : 256);
 }
 
-// The level of the direction pin, which is that of the loaded move.
+// Returns the level of the direction pin for the loaded move.
 static uint8_t loaded_direction(const volatile struct unit *unit) {
   return (unit->dir_pin[2] & unit->dir_mask) != 0;
 }
@@ -139,7 +139,7 @@ static struct move *loaded_end(const struct axis *a) {
   return a->dropped ? a->dropped_from : a->unit->next;
 }
 
-// Counts one more loaded move; false if all are.
+// Counts one more loaded move; returns false if all are counted.
 static bool settle(struct axis *a) {
   hal_irq_t irq = hal_irq_save();
   struct move *move = a->settled;
@@ -155,12 +155,12 @@ static bool settle(struct axis *a) {
   return found;
 }
 
-// Sets an idle unit going: its first step comes at `first`, for which the compare stands already,
-// in `ticks`; later ones come as the move says.
+// Starts an idle unit. Its first step comes at `first`, `ticks` from now, and its compare register
+// is set; later steps follow from the move.
 static void begin(struct axis *a, struct move *move, uint32_t ticks) {
   volatile struct unit *unit = a->unit;
   uint16_t chunks = (uint16_t)((ticks << 1) >> 16);  // pieces of 32768
-  if (chunks > 0) --chunks;                          // the first wait takes up to two
+  if (chunks > 0) --chunks;                          // the first wait takes up to two pieces
   if (chunks & 1) {
     *a->compare += PIECE;
     *a->flags = a->bit;
@@ -198,7 +198,7 @@ bool stepgen_append(uint8_t axis, struct move *move, uint32_t first) {
   if (unit->active) {
     if (unit->next == NULL) unit->next = move;
   } else {
-    // Before the clock is read: a match that comes later cannot be missed.
+    // Set before the clock is read, so that a later match is not missed.
     *a->compare = (uint16_t)first + a->offset;
     *a->flags = a->bit;
     int32_t ticks = (int32_t)(first - hal_clock());

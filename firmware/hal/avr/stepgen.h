@@ -1,4 +1,4 @@
-// What the chip does at its start for the step generator of hal.h.
+// Start of the step generator on AVR chips, see hal.h.
 #pragma once
 
 void stepgen_start(void);

@@ -18,7 +18,7 @@
 #define UNIT_ACTIVE 21    // steps are due
 #define UNIT_STEP_PIN 22  // address of the step pin's PINx; writing a 1 there toggles the pin
 #define UNIT_DIR_PIN 24
-#define UNIT_HOLD 26  // loops of 3 cycles by which a pulse is lengthened, if pins are free
+#define UNIT_HOLD 26  // 3-cycle loops that lengthen a pulse, if pins are free
 #define UNIT_SIZE 27
 
 #define MODE_WIDE 1
@@ -31,7 +31,7 @@
 #define MOVE_ADD 8
 #define MOVE_DIRECTION 10
 #define MOVE_FAST_BIT 7    // all intervals are below 32768
-#define MOVE_TOGGLE_BIT 6  // the direction is not that of the move before
+#define MOVE_TOGGLE_BIT 6  // the direction changes with this move
 
 #ifndef __ASSEMBLER__
 #include <stddef.h>
@@ -39,7 +39,7 @@
 
 #include "hal.h"
 
-// Written by the interrupt while active, by the foreground and timer context while not.
+// Written by the interrupt while active; otherwise by the foreground and timer context.
 struct unit {
   uint16_t interval;
   int16_t add;

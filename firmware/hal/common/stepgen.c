@@ -2,25 +2,25 @@
 
 #include <stddef.h>
 
-// 30 µs, in which the interrupt waits.
+// 30 µs, for which the interrupt waits.
 #define LONGEST_PULSE (HAL_CLOCK_HZ / 1000000 * 30)
 
 static struct axis {
-  struct axis *later;  // of those that move: the one whose step comes next
-  struct axis *also;   // one more with a pulse under way
+  struct axis *later;  // first of the moving axes: the one with the next step
+  struct axis *also;   // one more, with a pulse in progress
   bool active, invert, stopped;
-  uint8_t direction;        // level of its pin
-  uint32_t next, interval;  // clock of the next step; and from it to the one after
+  uint8_t direction;        // level of the step pin
+  uint32_t next, interval;  // clock of the next step; interval to the step after it
   int32_t add;
-  uint32_t count;  // steps left of the move, the next one included
+  uint32_t count;  // remaining steps of the move, including the next one
   uint32_t pulse_ticks;
   struct hal_output step, direction_pin;
   int32_t end;  // position when the move is done
   struct move *oldest, *waiting, *newest;
 } axes[HAL_STEPPERS];
-static struct axis *soonest;  // of those that move, by their next steps
-// Late steps do not begin before `low_until`: drivers need the pin to be low between two pulses for
-// the length of a pulse.
+static struct axis *soonest;  // next moving axis, in the order of their next steps
+// A late step does not start before `low_until`, because drivers need the step pin low for a pulse
+// length between two pulses.
 static bool late;
 static uint32_t low_until;
 
@@ -40,7 +40,7 @@ bool stepgen_setup(uint8_t index, uint16_t step_pin, uint16_t direction_pin, boo
   return true;
 }
 
-// Begins the next move; under hal_irq_save() or in the interrupt.
+// Starts the next move; under hal_irq_save() or in the interrupt.
 static void load(struct axis *axis) {
   struct move *move = axis->waiting;
   axis->active = move != NULL;
@@ -56,7 +56,7 @@ static void load(struct axis *axis) {
   }
 }
 
-// The step after the one at axis->next.
+// Calculates the step after the one at axis->next.
 static void advance(struct axis *axis) {
   axis->next += axis->interval;
   axis->interval += (uint32_t)axis->add;
@@ -68,8 +68,8 @@ static void take_out(const struct axis *axis) {
   *at = axis->later;
 }
 
-// Puts one that moves where its next step belongs. Clocks that are 12 s and more apart could not be
-// told apart, but no host leaves so much between two steps.
+// Inserts a moving axis in the order of its next step. The order is wrong for clocks at least 12 s
+// apart; no host leaves that much between two steps.
 static inline void insert(struct axis *axis) {
   struct axis **at = &soonest;
   while (*at != NULL && (int32_t)((*at)->next - axis->next) <= 0) at = &(*at)->later;
@@ -77,7 +77,7 @@ static inline void insert(struct axis *axis) {
   *at = axis;
 }
 
-// The clock for the next alarm.
+// Returns the clock of the next alarm.
 static inline uint32_t alarm_at(void) {
   uint32_t next = soonest->next;
   return late && (int32_t)(next - low_until) < 0 ? low_until : next;
@@ -96,7 +96,8 @@ bool stepgen_interrupt(uint32_t now, uint32_t *again) {
   if (due != NULL) {
     uint32_t end = hal_clock() + pulse_ticks;
     int32_t low = INT32_MAX;  // ticks from the pulses to the next step of one of them
-    // The next step is computed while the pulses last; but directions stay until they are over.
+    // Calculates the next step during the pulses. Direction pins do not change until the pulses
+    // end.
     for (struct axis *axis = due; axis != NULL; axis = axis->also) {
       if (--axis->count == 0) continue;
       advance(axis);
@@ -113,7 +114,7 @@ bool stepgen_interrupt(uint32_t now, uint32_t *again) {
       insert(axis);
       if ((int32_t)(axis->next - end) < low) low = (int32_t)(axis->next - end);
     }
-    // The clock is read again only where it matters: that takes time.
+    // Reads the clock again only where needed, because that takes time.
     late = low < (int32_t)(2 * pulse_ticks);
     if (late) {
       low_until = hal_clock() + pulse_ticks;
@@ -151,7 +152,7 @@ bool stepgen_append(uint8_t index, struct move *move, uint32_t first) {
 
 bool stepgen_active(uint8_t index) { return axes[index].active; }
 
-// Steps left of the move under way, with their sign.
+// Returns the remaining steps of the current move, with their sign.
 static int32_t left(const struct axis *axis) {
   if (!axis->active) return 0;
   return axis->direction ? (int32_t)axis->count : -(int32_t)axis->count;

@@ -14,16 +14,15 @@
 
 #include "hal.h"
 
-// What the chip's layer gives. Calls stepgen_interrupt() at `clock` or as soon after as can be; a
-// newer clock replaces the older. Not to be called from stepgen_interrupt().
+// Provided by the chip's layer. Calls stepgen_interrupt() at `clock`, or as soon after it as
+// possible; a newer clock replaces the older one. Not called from stepgen_interrupt().
 void stepgen_alarm(uint32_t clock);
-// Returns when `clock` is over, since it may be reckoned from the end of a tick: a few microseconds
-// at most.
+// Returns when `clock` has passed: it may be counted from the end of a tick. At most a few
+// microseconds.
 void stepgen_wait(uint32_t clock);
 
-// Forgets all axes, as after power-on.
+// Resets all axes, as after power-on.
 void stepgen_start(void);
-// Called by the chip's layer at `now`, and interrupted by nothing that calls the functions of
-// hal.h. While an axis moves it is true, and `again` the clock at which it is to be called next, or
-// soon after.
+// Called by the chip's layer at `now`; no function of hal.h may interrupt it. Returns true while an
+// axis moves, and in `again` the clock of the next call, which may be a little late.
 bool stepgen_interrupt(uint32_t now, uint32_t *again);

@@ -37,7 +37,7 @@ static jmp_buf power_on;
 
 uint32_t hal_clock(void) { return (uint32_t)now; }
 
-// The 64-bit clock that is meant; now, if it is past.
+// Returns the 64-bit clock for a 32-bit one; the present clock if it is past.
 static int64_t widen(uint32_t clock) {
   int32_t ahead = (int32_t)(clock - (uint32_t)now);
   return ahead > 0 ? now + ahead : now;
@@ -46,7 +46,7 @@ void hal_alarm(uint32_t clock) { timer_due = widen(clock); }
 void stepgen_alarm(uint32_t clock) { steps_due = widen(clock); }
 void stepgen_wait(uint32_t clock) { not_before = widen(clock); }
 
-// Nothing interrupts anything.
+// The host has no interrupts.
 hal_irq_t hal_irq_save(void) { return 0; }
 void hal_irq_restore(hal_irq_t state) { (void)state; }
 

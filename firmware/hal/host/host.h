@@ -9,13 +9,13 @@
 extern "C" {
 #endif
 
-// The board's surroundings. All are called with `owner`, from within the functions below.
+// The board's surroundings. All are called with `owner`, from the functions below.
 struct host_surroundings {
   void *owner;
-  // A pin changes its level; `clock` is not before now. Calls come in the order of their clocks but
-  // for the ends of step pulses, which are told together with their beginning.
+  // A pin changes its level at `clock`, which is not before now. Calls come in the order of their
+  // clocks; only the end of a step pulse is reported together with its start.
   void (*edge)(void *owner, uint16_t pin, bool level, int64_t clock);
-  // An output takes a value, of `full` that means fully on.
+  // An output takes a value; `full` means fully on.
   void (*output)(void *owner, uint16_t pin, uint32_t value, uint32_t full, int64_t clock);
   bool (*level)(void *owner, uint16_t pin, int64_t clock);
   uint16_t (*analog)(void *owner, uint16_t pin, int64_t clock);
@@ -38,9 +38,10 @@ struct host_functions {
   void (*start)(const struct host_options *options, const struct host_surroundings *surroundings);
   // Runs to `now`, then takes the received bytes.
   void (*feed)(const uint8_t *data, size_t size, int64_t now);
-  // Does all that is due until `now`.
+  // Does everything that is due until `now`.
   void (*run)(int64_t now);
-  // When the board next does something that can be observed; steps do not count. INT64_MAX: never.
+  // Returns the clock of the board's next observable action, without steps. INT64_MAX: there is
+  // none.
   int64_t (*next)(void);
   // The messages of the board: `size` bytes, valid until the next call of any of these.
   const uint8_t *(*take)(size_t *size);

@@ -26,7 +26,7 @@
 #define PINS 1024
 #define LOOK_MS 2
 #define NANOSECONDS 1000000000LL
-// A process that the computer does not let run is a chip that is stopped: so is its clock.
+// When the computer suspends the process, the chip and its clock stop, too.
 #define STALL (10 * NANOSECONDS / 1000)
 
 struct carriage {
@@ -82,7 +82,7 @@ static int open_terminal(const char *link) {
   int master = posix_openpt(O_RDWR | O_NOCTTY);
   if (master < 0 || grantpt(master) < 0 || unlockpt(master) < 0) return -1;
   const char *name = ptsname(master);
-  int slave = open(name, O_RDWR | O_NOCTTY);  // stays open: hosts come and go
+  int slave = open(name, O_RDWR | O_NOCTTY);  // stays open between hosts
   struct termios raw;
   if (slave < 0 || tcgetattr(slave, &raw) < 0) return -1;
   cfmakeraw(&raw);

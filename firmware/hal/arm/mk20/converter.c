@@ -2,11 +2,11 @@
 #include "hal.h"
 #include "layer.h"
 
-#define TIMEOUT_LOOPS 1000000  // looks at a flag
+#define TIMEOUT_LOOPS 1000000  // reads of a flag
 #define NONE 31u
 #define DONE (1u << 7)
 #define MODE (3u << 5 | 1u << 4 | 1u << 2 | 1u)
-#define INPUTS_B (1u << 4)  // of the channels 4 to 7
+#define INPUTS_B (1u << 4)  // for the channels 4 to 7
 #define CALIBRATE (1u << 7)
 #define MEAN_OF_32 (1u << 2 | 3u)
 
@@ -16,7 +16,7 @@ void converter_start(void) {
   ADC_CFG2 = INPUTS_B;
   ADC_SC3 = CALIBRATE | MEAN_OF_32;
   for (uint32_t i = 0; i < TIMEOUT_LOOPS && (ADC_SC3 & CALIBRATE); ++i) continue;
-  // The gain that the chip has found (reference manual, calibration function).
+  // The gain from the chip's calibration (reference manual, calibration function).
   uint32_t sum = 0;
   for (uint32_t i = 0; i < ADC_CLPS_WORDS; ++i) sum += ADC_CLPS[i];
   ADC_PG = (sum & 0xFFFF) / 2 | 0x8000;

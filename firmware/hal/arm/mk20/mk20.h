@@ -1,4 +1,4 @@
-// MK20 chips: what is alike. registers.h of each has its figures.
+// MK20 chips: common registers. registers.h of each chip has its figures.
 #pragma once
 #include <stdbool.h>
 #include <stdint.h>
@@ -9,7 +9,7 @@
 #define REG8(address) (*(volatile uint8_t *)(address))
 
 #define HAL_SHORTEST_PERIOD (HAL_CLOCK_HZ / 100000)  // 10 µs
-#define HAL_ANALOG_WAIT (HAL_CLOCK_HZ / 25000)       // 40 µs: one conversion, and a little
+#define HAL_ANALOG_WAIT (HAL_CLOCK_HZ / 25000)       // 40 µs: one conversion and a margin
 
 struct hal_output {
   volatile uint32_t *port;
@@ -54,7 +54,7 @@ struct hal_pwm {
 #define PCR_STRONG (1u << 6)
 #define PCR_PULL_UP 3u
 
-// Ports, by words from the port's base.
+// Ports: offsets in words from the port's base.
 #define GPIO(port) ((volatile uint32_t *)(0x400FF000 + 0x40 * (port)))
 #define GPIO_PSOR 1
 #define GPIO_PCOR 2
@@ -83,7 +83,7 @@ struct hal_pwm {
 #define ADC_CLPS ((volatile uint32_t *)0x4003B038)  // then CLP4 to CLP0
 #define ADC_CLPS_WORDS 6
 
-// Timers, by words from the timer's base.
+// Timers: offsets in words from the timer's base.
 #define FTM_SC 0
 #define FTM_MOD 2
 #define FTM_CHANNEL(n) (3 + 2 * (n))

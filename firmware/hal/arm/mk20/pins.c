@@ -1,14 +1,14 @@
 #include "hal.h"
 #include "layer.h"
 
-#define CRYSTAL_FIRST 18  // PTA18, PTA19: taken from the crystal, the chip would stop
+#define CRYSTAL_FIRST 18  // PTA18, PTA19 belong to the crystal: using them would stop the chip
 #define CRYSTAL_LAST 19
 
 static bool usable(uint16_t pin) {
   return pin_usable(pin) && (pin < CRYSTAL_FIRST || pin > CRYSTAL_LAST);
 }
 
-// Timers turn pins around too.
+// Timers change the direction of pins, too.
 static void direct(volatile uint32_t *port, uint32_t mask, bool out) {
   hal_irq_t irq = hal_irq_save();
   port[GPIO_PDDR] = out ? port[GPIO_PDDR] | mask : port[GPIO_PDDR] & ~mask;

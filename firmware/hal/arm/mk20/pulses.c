@@ -1,12 +1,12 @@
-// Pulse width modulation. The channels of a timer have one cycle: that of the one that was set up
-// first.
+// Pulse width modulation. All channels of a timer share one cycle; the first channel that is set up
+// defines it.
 #include "hal.h"
 #include "layer.h"
 #include "pwm.h"
 
 #define SLOWEST 128        // the last divider
 #define SC_ON (1u << 3)    // counts the bus clock
-#define CHANNEL_PWM 0x28u  // on from the start of a cycle until the value
+#define CHANNEL_PWM 0x28u  // high from the start of a cycle until the value
 #define FUNCTION_FTM0 4    // of its pins
 #define FUNCTION_OTHERS 3
 
@@ -26,7 +26,7 @@ static void start(volatile uint32_t *timer, uint32_t cycle) {
   struct pwm_cycle made = pwm_cycle(cycle, CHIP_BUS_HZ, SLOWEST, true);
   uint32_t exponent = 0;
   while (1u << exponent < made.divider) ++exponent;
-  timer[FTM_MODE] = 1u << 2;  // nothing is write-protected
+  timer[FTM_MODE] = 1u << 2;  // no write protection
   timer[FTM_CNTIN] = 0;
   timer[FTM_MOD] = made.top - 1;
   timer[FTM_SC] = SC_ON | exponent;

@@ -1,7 +1,7 @@
 #include "hal.h"
 #include "layer.h"
 
-#define TIMEOUT_LOOPS 1000000  // looks at a flag
+#define TIMEOUT_LOOPS 1000000  // reads of a flag
 #define S_CRYSTAL (1u << 1)
 #define S_SOURCE (3u << 2)
 #define S_INTERNAL (1u << 4)
@@ -13,7 +13,7 @@
 #define C5_EIGHTH 7u
 #define C6_PLL (1u << 6 | (CHIP_PLL_FACTOR - 24u))
 #define CR_CRYSTAL (1u << 7 | 1u << 3 | 1u << 1)  // on, with 10 pF
-#define WATCHDOG_ON 0x01D1u                       // as after a reset, but with the clock of 1 kHz
+#define WATCHDOG_ON 0x01D1u                       // as after a reset, but with the 1 kHz clock
 #define WATCHDOG_MS 1000
 
 // The configuration that the chip reads from the flash at 0x400 before it starts: not protected,
@@ -28,7 +28,7 @@ static bool comes(uint8_t mask, uint8_t value) {
   return false;
 }
 
-// The chip gives 256 cycles for this after a reset, and 20 between the two words.
+// The chip allows 256 cycles for this after a reset, and 20 between the two words.
 void watchdog_start(void) {
   WDOG_UNLOCK = 0xC520;
   WDOG_UNLOCK = 0xD928;
@@ -39,7 +39,7 @@ void watchdog_start(void) {
   WDOG_STCTRLH = WATCHDOG_ON;
 }
 
-// Nothing may come between the two words.
+// No interrupt may come between the two words.
 void watchdog_feed(void) {
   hal_irq_t irq = hal_irq_save();
   WDOG_REFRESH = 0xA602;
@@ -47,7 +47,7 @@ void watchdog_feed(void) {
   hal_irq_restore(irq);
 }
 
-// The chip's own oscillator stays if there is no crystal.
+// Without a crystal the chip's own oscillator stays on.
 static void start_clock(void) {
   OSC_CR = CR_CRYSTAL;
   MCG_C2 = C2_CRYSTAL;

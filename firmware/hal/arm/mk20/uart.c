@@ -9,7 +9,7 @@ _Static_assert(MADE > BOARD_BAUD - BOARD_BAUD / 40 && MADE < BOARD_BAUD + BOARD_
 #define S1_OVERRUN (1u << 3)
 #define S1_RECEIVED (1u << 5)
 #define S1_READY (1u << 7)
-#define C2_ON (1u << 5 | 1u << 3 | 1u << 2)  // both ways, interrupt when received
+#define C2_ON (1u << 5 | 1u << 3 | 1u << 2)  // receive and send, with the receive interrupt
 #define C2_READY (1u << 7)
 
 void uart_start(void) {
@@ -21,8 +21,8 @@ void uart_start(void) {
   UART_C2 = C2_ON;
 }
 
-// Reading status and data clears the flag, and that of an overrun if the status had it. One that
-// comes between the two stays set, and until it is cleared nothing more is received.
+// Reading status and then data clears the receive flag, and the overrun flag if the status had it.
+// An overrun between the two reads stays set, and blocks reception until it is cleared.
 bool uart_take(uint8_t *byte) {
   uint8_t status = UART_S1;
   if (!(status & (S1_RECEIVED | S1_OVERRUN))) return false;

@@ -1,4 +1,4 @@
-// MK20DX128 (reference manual K20P64M50SF0): what differs from the rest of the family.
+// MK20DX128 (reference manual K20P64M50SF0): differences from the family.
 #pragma once
 #define CHIP_CORE_HZ 48000000UL
 #define CHIP_CLOCK_HZ CHIP_CORE_HZ

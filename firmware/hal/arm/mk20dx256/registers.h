@@ -1,4 +1,4 @@
-// MK20DX256 (reference manual K20P64M72SF1): what differs from the rest of the family.
+// MK20DX256 (reference manual K20P64M72SF1): differences from the family.
 #pragma once
 #define CHIP_CORE_HZ 72000000UL
 #define CHIP_CLOCK_HZ CHIP_CORE_HZ

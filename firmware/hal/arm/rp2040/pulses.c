@@ -1,5 +1,5 @@
-// Pulse width modulation. Both outputs of a slice have one cycle: that of the one that was set up
-// first.
+// Pulse width modulation. Both outputs of a slice share one cycle; the first output that is
+// configured sets it.
 #include "hal.h"
 #include "layer.h"
 #include "pins.h"
@@ -15,7 +15,7 @@ static const struct output {
   uint8_t pin, slice, channel;
 } outputs[] = {CHIP_PULSES(ROW)};
 
-static uint8_t used[SLICES];  // a bit a channel
+static uint8_t used[SLICES];  // one bit for each channel
 
 bool hal_pwm_setup(struct hal_pwm *pwm, uint16_t pin, uint32_t cycle, uint16_t value) {
   for (const struct output *it = outputs; it < outputs + sizeof outputs / sizeof *outputs; ++it) {
@@ -38,7 +38,7 @@ bool hal_pwm_setup(struct hal_pwm *pwm, uint16_t pin, uint32_t cycle, uint16_t v
   return false;
 }
 
-// A register holds the compares of both outputs.
+// One register holds the compare values of both outputs.
 void hal_pwm_write(const struct hal_pwm *pwm, uint16_t value) {
   uint32_t compare = value * pwm->top / HAL_PWM_MAX;
   hal_irq_t irq = hal_irq_save();

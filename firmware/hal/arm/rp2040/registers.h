@@ -11,7 +11,7 @@
 
 #define HAL_ARENA 49152
 #define HAL_SHORTEST_PERIOD 120  // 10 µs
-#define HAL_ANALOG_WAIT 48       // 4 µs: one conversion, and a little
+#define HAL_ANALOG_WAIT 48       // 4 µs: one conversion and a margin
 
 struct hal_output {
   uint32_t mask;
@@ -25,7 +25,7 @@ struct hal_pwm {
   uint8_t shift;
 };
 
-// A register's place plus these: what is written sets bits, or clears them.
+// Offsets of a register's aliases: writing there sets bits, or clears them.
 #define SET(place) REG((place) + 0x2000)
 #define CLEAR(place) REG((place) + 0x3000)
 
@@ -65,7 +65,7 @@ struct hal_pwm {
 #define XOSC_STATUS REG(0x40024004)
 #define XOSC_STARTUP REG(0x4002400C)
 
-// PLLs, by words from the PLL's base.
+// PLLs: offsets in words from the PLL's base.
 #define PLL_SYS ((volatile uint32_t *)0x40028000)
 #define PLL_USB ((volatile uint32_t *)0x4002C000)
 #define PLL_CS 0
@@ -89,7 +89,7 @@ struct hal_pwm {
 #define ADC_CS REG(0x4004C000)
 #define ADC_RESULT REG(0x4004C004)
 
-// Slices, by words from the slice's base.
+// Slices: offsets in words from the slice's base.
 #define PWM_SLICE(n) ((volatile uint32_t *)(0x40050000 + 0x14 * (n)))
 #define PWM_CSR 0
 #define PWM_DIV 1

@@ -1,7 +1,7 @@
 #include "hal.h"
 #include "layer.h"
 
-#define TIMEOUT_LOOPS 1000000  // looks at a flag
+#define TIMEOUT_LOOPS 1000000  // reads of a flag
 #define STABLE (1u << 31)
 #define LOCKED (1u << 31)
 #define PWR_FRACTIONS_OFF (1u << 2)
@@ -39,18 +39,18 @@ static void start_pll(volatile uint32_t *pll, uint32_t factor, uint32_t first, u
   pll[PLL_PWR] = PWR_FRACTIONS_OFF;
 }
 
-// The watchdog counts what makes the timer count: until the crystal is up, nothing.
+// The watchdog generates the tick of the timer: until the crystal is up, the timer stands still.
 void watchdog_start(void) {
   PSM_WDSEL = ALL_BUT_OSCILLATORS;
   WATCHDOG_LOAD = WATCHDOG_LONGEST;
   WATCHDOG_CTRL = WATCHDOG_ON;
 }
 
-// It counts twice each time: 0.7 s.
+// The watchdog counts two each tick: 0.7 s.
 void watchdog_feed(void) { WATCHDOG_LOAD = WATCHDOG_LONGEST; }
 
 void chip_start(void) {
-  // All starts from the ring oscillator, and from what a reset leaves.
+  // Starts from the ring oscillator and the state after a reset.
   CLEAR(CLK_SYS) = 1;  // from CLK_REF
   comes(&CLK_SYS_SELECTED, 1, 1);
   CLK_REF_CTRL = 0;

@@ -9,7 +9,7 @@ _Static_assert(MADE > BOARD_BAUD - BOARD_BAUD / 40 && MADE < BOARD_BAUD + BOARD_
 
 #define FR_EMPTY (1u << 4)
 #define FR_FULL (1u << 5)
-#define RECEIVED (1u << 4 | 1u << 6)  // some bytes, or one and then silence
+#define RECEIVED (1u << 4 | 1u << 6)  // interrupt after some bytes, or after one byte and silence
 #define ROOM (1u << 5)
 
 void uart_start(void) {
@@ -17,7 +17,7 @@ void uart_start(void) {
   pin_set(BOARD_RECEIVE, FUNCTION_UART, PAD_INPUT | PAD_4_MA | PAD_SCHMITT | PAD_PULL_UP);
   UART_IBRD = DIVISOR / 64;
   UART_FBRD = DIVISOR % 64;
-  UART_LCR_H = 3u << 5 | 1u << 4;  // 8 bits, queues of 32 bytes; it takes the divisor too
+  UART_LCR_H = 3u << 5 | 1u << 4;  // 8 bits, queues of 32 bytes; applies the divisor, too
   UART_IFLS = 0;                   // interrupts with an eighth in a queue
   UART_IMSC = RECEIVED;
   UART_CR = 1u << 9 | 1u << 8 | 1u;

@@ -4,7 +4,7 @@
 
 #define STEPS HAL_PWM_MAX
 #define SLOWEST 10             // exponent of the last prescaler
-#define STARTS_HIGH (1u << 9)  // an output H is on from a cycle's start; L is its opposite
+#define STARTS_HIGH (1u << 9)  // output H is on from the start of a cycle; L is its inverse
 enum { PWM0, PWM1, PWM2, PWM3, PWM4, PWM5, PWM6, PWM7 };
 enum { L, H };
 
@@ -13,7 +13,7 @@ static const struct output {
   uint8_t pin, channel, side;
 } outputs[] = {CHIP_PULSES(ROW)};
 
-// The exponent of the prescaler whose cycle is nearest to the wish, in ticks.
+// The exponent of the prescaler whose cycle is nearest to the requested one, in ticks.
 static uint32_t nearest(uint32_t cycle) {
   const uint32_t ratio = CHIP_CORE_HZ / HAL_CLOCK_HZ;
   uint32_t exponent = 0;

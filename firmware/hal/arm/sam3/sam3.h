@@ -1,4 +1,4 @@
-// SAM3X and SAM3U: what is alike. registers.h of each chip has the places of the modules.
+// SAM3X and SAM3U: common registers. registers.h of each chip has the addresses of the modules.
 #pragma once
 #include <stdbool.h>
 #include <stdint.h>
@@ -6,7 +6,7 @@
 #define CHIP_UART_IRQ ID_UART
 
 #define HAL_SHORTEST_PERIOD (HAL_CLOCK_HZ / 100000)  // 10 µs
-#define HAL_ANALOG_WAIT (HAL_CLOCK_HZ / 40000)       // 25 µs: one conversion, and a little
+#define HAL_ANALOG_WAIT (HAL_CLOCK_HZ / 40000)       // 25 µs: one conversion and a margin
 
 struct hal_output {
   volatile uint32_t *port;
@@ -20,7 +20,7 @@ struct hal_pwm {
   volatile uint32_t *duty;
 };
 
-// Parallel ports, by words from the port's base.
+// Parallel ports: offsets in words from the port's base.
 #define PIO(port) ((volatile uint32_t *)(PIO_BASE + 0x200 * (port)))
 #define PIO_PER 0
 #define PIO_PDR 1

@@ -12,15 +12,16 @@
 #define MCKR_PLLA 2u
 #define MCKR_HALF (1u << 4)
 #define PLLA (1u << 29 | (CHIP_PLL_FACTOR - 1u) << 16 | 0x3Fu << 8 | 1u)
-#define TIMEOUT_LOOPS 1000000  // looks at a flag
-#define SECOND 256             // of the watchdog's clock
+#define TIMEOUT_LOOPS 1000000  // reads of a flag
+#define SECOND 256             // in cycles of the watchdog's clock
 #define WDT_RESETS (1u << 13)
 
 static void await(uint32_t flag) {
   for (uint32_t i = 0; i < TIMEOUT_LOOPS && !(PMC_SR & flag); ++i) continue;
 }
 
-// Its mode can be written once. 0.7 s to 1.7 s: its clock has 20 kHz to 44 kHz.
+// The mode can be written only once. The timeout is 0.7 s to 1.7 s, because the clock has 20 kHz to
+// 44 kHz.
 void watchdog_start(void) { WDT_MR = WDT_RESETS | SECOND | SECOND << 16; }
 void watchdog_feed(void) { WDT_CR = 0xA5000001; }
 

@@ -7,7 +7,7 @@ _Static_assert(MADE > BOARD_BAUD - BOARD_BAUD / 40 && MADE < BOARD_BAUD + BOARD_
                "the clock does not give this baud rate within 2.5 %");
 
 void uart_start(void) {
-  PIO(0)[PIO_PDR] = UART_PINS;  // their module A
+  PIO(0)[PIO_PDR] = UART_PINS;  // peripheral A of the pins
   PIO(0)[PIO_PUER] = UART_RECEIVE_PIN;
   UART_BRGR = DIVISOR;
   UART_MR = 4u << 9;  // no parity

@@ -1,4 +1,4 @@
-// SAM3U4E (data sheet 6430): what differs from the rest of the family.
+// SAM3U4E (data sheet 6430): differences from the family.
 #pragma once
 #include "cortex.h"
 
@@ -18,7 +18,7 @@
 #define UART_RECEIVE_PIN (1u << 11)
 #define IS_MODULE_A(pin) (((pin) >= 32 && (pin) < 36) || (pin) >= 93)  // PWM: PB0-3, PC29-31
 #define PWM_BASE 0x4008C000
-// The one with 12 bits.
+// The 12-bit converter.
 #define ADC_BASE 0x400A8000
 #define ADC_ISR REG(ADC_BASE + 0x1C)
 #define ADC_READY (1u << 16)
@@ -26,7 +26,7 @@
 #define ADC_MODE (23u << 8 | 255u << 16 | 15u << 24)
 #define ADC_BIAS (1u << 8)  // of the converter: for up to 5 MHz; gain 1
 
-// Modules by their numbers.
+// Peripheral numbers.
 #define ID_UART 8
 #define ID_PIOA 10
 #define PORTS 3
@@ -35,6 +35,6 @@
 
 #include "sam3.h"
 
-// Its timers have 16 bits.
+// The timers have 16 bits.
 static inline void clock_start(void) { cycles_start(); }
 static inline uint32_t chip_clock(void) { return DWT_CYCCNT; }

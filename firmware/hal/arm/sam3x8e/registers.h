@@ -1,4 +1,4 @@
-// SAM3X8E (data sheet 11057): what differs from the rest of the family.
+// SAM3X8E (data sheet 11057): differences from the family.
 #pragma once
 #include "cortex.h"
 
@@ -24,7 +24,7 @@
 // 2 MHz, the longest times to start, to settle and to track.
 #define ADC_MODE (20u << 8 | 8u << 16 | 3u << 20 | 15u << 24 | 1u << 28)
 
-// Modules by their numbers.
+// Peripheral numbers.
 #define ID_UART 8
 #define ID_PIOA 11
 #define PORTS 4
@@ -38,7 +38,7 @@
 #define TC0_CMR REG(0x40080004)
 #define TC0_CV REG(0x40080010)
 
-// Half of the master clock, up and round in 32 bits, from 0.
+// Counts up at half of the master clock, in 32 bits, from 0.
 static inline void clock_start(void) {
   PMC_PCER(ID_TC0) = 1u << ID_TC0 % 32;
   TC0_CMR = 1u << 15;

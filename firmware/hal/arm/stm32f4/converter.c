@@ -1,5 +1,4 @@
-// ADC1, or ADC3 for the pins of port F, which only that has: 12 bits, 480 cycles of 21 MHz to
-// sample.
+// 12 bits, 480 cycles of 21 MHz to sample. ADC1 converts; pins of port F need ADC3.
 #include "hal.h"
 #include "layer.h"
 #include "pins.h"
@@ -11,7 +10,7 @@
 #define LONGEST_0_TO_9 0x3FFFFFFFu
 #define PORT_F 5
 
-static volatile uint32_t *busy;  // the one at work
+static volatile uint32_t *busy;  // the converter in use
 
 static void switch_on(volatile uint32_t *adc) {
   adc[ADC_SMPR1] = LONGEST_10_TO_18;

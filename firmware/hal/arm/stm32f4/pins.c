@@ -3,7 +3,7 @@
 #include "hal.h"
 #include "layer.h"
 
-// Timers turn pins around too.
+// Timers change the direction of pins, too.
 static void replace(volatile uint32_t *place, uint32_t shift, uint32_t mask, uint32_t value) {
   hal_irq_t irq = hal_irq_save();
   *place = (*place & ~(mask << shift)) | value << shift;

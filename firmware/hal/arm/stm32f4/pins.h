@@ -1,4 +1,4 @@
-// What a pin does. Foreground.
+// Sets the function of a pin. Foreground.
 #pragma once
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,5 +1,5 @@
-// Pulse width modulation by the timers that are left. The channels of a timer have one cycle: that
-// of the one that was set up first.
+// Pulse width modulation by the remaining timers. All channels of a timer share one cycle; the
+// first channel that is set up defines it.
 #include "hal.h"
 #include "layer.h"
 #include "pins.h"
@@ -28,7 +28,7 @@ static void start(volatile uint32_t *timer, const struct timer_place *place, uin
   struct pwm_cycle made = pwm_cycle(cycle, place->hz, DIVIDERS, false);
   timer[TIM_PSC] = made.divider - 1;
   timer[TIM_ARR] = made.top - 1;
-  // Only the timers for bridges have it, and need it.
+  // Only timers with bridge outputs have this bit, and they need it.
   if (place == &timers[TIM1] || place == &timers[TIM8]) timer[TIM_BDTR] = 1u << 15;
 }
 
@@ -43,10 +43,10 @@ bool hal_pwm_setup(struct hal_pwm *pwm, uint16_t pin, uint32_t cycle, uint16_t v
     pwm->compare = &timer[TIM_CCR + it->channel];
     pwm->top = timer[TIM_ARR] + 1;
     hal_pwm_write(pwm, value);
-    // On until the compare, a new compare from the next cycle on.
+    // The output is on until the compare value; a new value acts from the next cycle on.
     timer[TIM_CCMR + it->channel / 2] |= 0x68u << 8 * (it->channel % 2);
     timer[TIM_CCER] |= enable;
-    if (!(timer[TIM_CR1] & 1)) timer[TIM_EGR] = 1;  // takes divider, top and compare
+    if (!(timer[TIM_CR1] & 1)) timer[TIM_EGR] = 1;  // applies divider, top and compare value
     timer[TIM_CR1] = 1;
     pin_alternate(pin, place->function);
     return true;

@@ -14,7 +14,7 @@
 
 #define HAL_ARENA 49152
 #define HAL_SHORTEST_PERIOD 840  // 10 µs
-#define HAL_ANALOG_WAIT 2520     // 30 µs: one conversion, and a little
+#define HAL_ANALOG_WAIT 2520     // 30 µs: one conversion and a margin
 
 struct hal_output {
   volatile uint32_t *set_reset;
@@ -29,7 +29,7 @@ struct hal_pwm {
   uint32_t top;
 };
 
-// Ports, by words from the port's base.
+// Ports: offsets in words from the port's base.
 #define GPIO(port) ((volatile uint32_t *)(0x40020000 + 0x400 * (port)))
 #define GPIO_MODER 0
 #define GPIO_PUPDR 3
@@ -85,7 +85,7 @@ struct hal_pwm {
 #define USART_BRR REG(USART_BASE + 0x08)
 #define USART_CR1 REG(USART_BASE + 0x0C)
 
-// Converters, by words from the converter's base.
+// Converters: offsets in words from the converter's base.
 #define ADC1 ((volatile uint32_t *)0x40012000)
 #define ADC3 ((volatile uint32_t *)0x40012200)
 #define ADC_SR 0
@@ -97,7 +97,7 @@ struct hal_pwm {
 #define ADC_DR 19
 #define ADC_CCR REG(0x40012304)
 
-// Timers, by words from the timer's base.
+// Timers: offsets in words from the timer's base.
 #define TIM_CR1 0
 #define TIM_EGR 5
 #define TIM_CCMR 6  // and 7

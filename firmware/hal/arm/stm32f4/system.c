@@ -11,7 +11,7 @@
 #define CFGR_BUSES (5u << 10 | 4u << 13)  // APB1: a quarter, APB2: a half
 #define CFGR_PLL 2u
 #define ACR_READY (5u | 7u << 8)  // five wait states; prefetch and both caches
-#define TIMEOUT_LOOPS 100000      // looks at a flag: tens of milliseconds
+#define TIMEOUT_LOOPS 100000      // reads of a flag: tens of milliseconds
 
 static bool comes(volatile uint32_t *place, uint32_t mask, uint32_t value) {
   for (uint32_t i = 0; i < TIMEOUT_LOOPS; ++i)
@@ -19,7 +19,7 @@ static bool comes(volatile uint32_t *place, uint32_t mask, uint32_t value) {
   return false;
 }
 
-// It counts 1000 of its own oscillator's 32 kHz / 32: 0.7 s to 1.9 s.
+// Counts 1000 cycles of its own oscillator at 32 kHz / 32: 0.7 s to 1.9 s.
 void watchdog_start(void) {
   IWDG_KR = 0xCCCC;
   IWDG_KR = 0x5555;
@@ -29,7 +29,7 @@ void watchdog_start(void) {
 
 void watchdog_feed(void) { IWDG_KR = 0xAAAA; }
 
-// A loader may have left the PLL on: it cannot be set then.
+// A loader may have left the PLL on; while it is on it cannot be set.
 static void start_clock(void) {
   RCC_CR |= CR_HSION;
   RCC_CFGR = 0;
@@ -50,12 +50,12 @@ void chip_start(void) {
   RCC_AHB1ENR |= AHB1_PORTS;
   RCC_APB1ENR |= APB1_TIMERS | APB1_USARTS;
   RCC_APB2ENR |= APB2_TIMERS | APB2_USART1 | APB2_ADCS;
-  // As after power-on, whatever a loader did.
+  // Restores the state after power-on, whatever a loader did.
   RCC_AHB1RSTR = AHB1_PORTS;
   RCC_APB1RSTR = APB1_TIMERS | APB1_USARTS;
   RCC_APB2RSTR = APB2_TIMERS | APB2_USART1 | APB2_ADC_RESET;
   RCC_AHB1RSTR = RCC_APB1RSTR = RCC_APB2RSTR = 0;
-  TIM2_CR1 = 1;  // counts up and round in 32 bits, at half of the core's clock
+  TIM2_CR1 = 1;  // counts up in 32 bits, at half of the core's clock
 }
 
 void chip_reset(void) {

@@ -10,7 +10,7 @@ _Static_assert(MADE > BOARD_BAUD - BOARD_BAUD / 40 && MADE < BOARD_BAUD + BOARD_
 #define SR_OVERRUN (1u << 3)
 #define SR_RECEIVED (1u << 5)
 #define SR_READY (1u << 7)
-#define CR1_ON (1u << 13 | 1u << 3 | 1u << 2 | 1u << 5)  // both ways, interrupt when received
+#define CR1_ON (1u << 13 | 1u << 3 | 1u << 2 | 1u << 5)  // receive and send, receive interrupt
 #define CR1_READY (1u << 7)
 
 void uart_start(void) {
@@ -21,7 +21,7 @@ void uart_start(void) {
   USART_CR1 = CR1_ON;
 }
 
-// Reading status and data takes both flags back; an overrun interrupts too.
+// Reading status and then data clears both flags; an overrun interrupts, too.
 bool uart_take(uint8_t *byte) {
   uint32_t status = USART_SR;
   if (!(status & (SR_RECEIVED | SR_OVERRUN))) return false;
