@@ -6,11 +6,10 @@
 
 namespace passo::wire {
 
-// CLOCK_MONOTONIC, the time of the event loop too, in ticks.
+// CLOCK_MONOTONIC in ticks: also the time of the event loop.
 Ticks monotonic_ticks(double hz);
 
-// One end of a cable: reads the bytes that have come and writes the rest, without ever waiting in
-// either.
+// One end of a cable: reads received bytes and writes pending ones without blocking.
 class Cable {
  public:
   // Owns `fd` from now on.
@@ -21,14 +20,14 @@ class Cable {
 
   bool open() const { return open_; }
   void cut();
-  // Bytes to be written; the next ones are to be made only when these are gone.
+  // Bytes to be written. Produce the next ones only when this is empty.
   Bytes& outgoing() { return out_; }
   bool written() const { return out_.empty(); }
   void write_out();
-  // Sleeps until bytes come, bytes may be written, wake() is called, or for `seconds`. Returns the
-  // received bytes.
+  // Sleeps until bytes arrive, bytes may be written, wake() is called, or `seconds` have passed.
+  // Returns the received bytes.
   const Bytes& wait(double seconds);
-  // From any thread.
+  // May be called from any thread.
   void wake();
 
  private:

@@ -35,11 +35,11 @@ Ticks ClockSync::unwrap(uint32_t clock) const {
 
 void ClockSync::add(uint32_t clock32, Ticks sent, Ticks received) {
   Ticks clock = unwrap(clock32);
-  // No clock goes back, except that the clock of a sleeping host pauses.
+  // No clock runs backwards, but the clock of a sleeping host pauses.
   if (clock < last_clock_ - Ticks(hz_)) clock += Ticks(1) << 32;
   last_clock_ = std::max(last_clock_, clock);
   const double trip = double(received - sent), asked = double(sent - origin_time_);
-  // The former shortest delay may be out of reach by now.
+  // The shortest delay may have grown since.
   double passed = std::max(asked - last_time_, 0.0);
   shortest_trip_ = std::min(trip, shortest_trip_ + passed * kTripAging);
   usual_excess_ += (trip - shortest_trip_ - usual_excess_) * kExcessGain;

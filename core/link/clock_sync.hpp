@@ -39,14 +39,14 @@ class ClockSync {
   // First sample, from the 64-bit answer to get_uptime. Times in host ticks.
   void start(Ticks clock, Ticks sent, Ticks received);
 
-  // The board was not asked for a while, until this host time.
+  // The board was not queried until this host time.
   void bridge(Ticks host);
   // Extends the low 32 bits of a clock that is within 2^31 ticks of the last known one.
   Ticks unwrap(uint32_t clock) const;
 
   void add(uint32_t clock32, Ticks sent, Ticks received);
 
-  // The usual delay of an answer beyond the quickest ones, seconds.
+  // The usual delay of an answer in addition to the quickest ones, seconds.
   double jitter_s() const { return usual_excess_ / hz_; }
   ClockLine line() const { return {origin_time_, origin_clock_, last_time_, value_, rate_}; }
   // Board clock at a host time.
@@ -60,7 +60,7 @@ class ClockSync {
   static constexpr double kTripAging = 1e-6;  // seconds in each second
   static constexpr double kExcessGain = 1.0 / 16;
   static constexpr double kMemorySeconds = 40, kSpanSeconds = 0.15;
-  static constexpr double kRateRange = 0.01;  // of the worst resonators, either way
+  static constexpr double kRateRange = 0.01;  // worst resonators, in both directions
   // A rate must widen the corridor by this many seconds for each unit of difference from the
   // earlier estimate, because a short time does not define the rate well. Within one span nothing
   // bounds the rate, because sending and receiving may be as far apart as the span is long.
@@ -75,7 +75,8 @@ class ClockSync {
   struct Point {
     double time, clock;  // since the origin
   };
-  // The tightest bounds of a while: the earliest question read, and the earliest answer received.
+  // The tightest bounds of a period: from the earliest question that was read, and the earliest
+  // answer that was received.
   struct Span {
     double begin;
     Point read, heard;
@@ -89,7 +90,7 @@ class ClockSync {
   double rate_ = 1, prior_ = 1, shortest_trip_ = 0, usual_excess_ = 0;
 
   void take(double asked, double heard, double clock);
-  // The corridor at a rate: its bounds at last_time_, and the points that they go through.
+  // The corridor at a rate: its bounds at last_time_, and the points that define them.
   struct Corridor {
     double upper = std::numeric_limits<double>::max();
     double lower = std::numeric_limits<double>::lowest();

@@ -11,12 +11,12 @@
 
 namespace passo::wire {
 
-// The meeting point of the links of one machine, each from a thread of its own if a thread drives
-// it. Nothing here waits for a link: messages to another link's board are put into the other's
-// mailbox.
+// Shared by the links of one machine, each from its own thread if it has one. No function waits for
+// a link: messages for another link's board go into that link's mailbox.
 class Timeline {
  public:
-  // For a trsync of a board: to trigger with `reason`, or to expire at a clock of the main board.
+  // A command for a trsync of a board: trigger with `reason`, or expire at a clock of the main
+  // board.
   struct Order {
     uint32_t oid;
     bool triggers;
@@ -35,9 +35,10 @@ class Timeline {
   // `wake` makes a link read its mailbox; any thread may call it.
   void set_wake(size_t seat, std::function<void()> wake);
 
-  // The main board's clock as its link estimates it; host time in ticks of `hz`.
+  // The main board's clock, as its link estimates it; host time in ticks of `hz`.
   void set_clock(const ClockLine& line, double hz);
-  // Host time, in ticks of `hz`, at which the main board's clock reads `clock`, and the other way.
+  // Converts a clock of the main board to host time in ticks of `hz`; the second function converts
+  // back.
   double host_at(double clock, double hz) const;
   double clock_at(double host, double hz) const;
 
@@ -51,17 +52,17 @@ class Timeline {
   void heard(size_t seat, uint32_t oid, bool can_trigger, uint32_t reason, double clock);
   std::vector<Order> take_mail(size_t seat);
 
-  // From now on motion comes in commits; no commit exists yet. Call it before any motion is sent.
+  // From now on motion comes in commits; there is no commit yet. Call it before any motion is sent.
   void begin_commits();
-  // The board on a link has all messages of a commit except the one that makes it valid. True once
-  // this holds for all boards: then that message may be sent. So when a board has it, all other
-  // boards have at least the commit before.
+  // The board of a link has all messages of a commit except the message that makes it valid.
+  // Returns true once all boards do: then that message may be sent. So when one board has a commit,
+  // all others have at least the commit before it.
   bool may_commit(size_t seat, uint32_t serial);
 
-  // The link to a board is lost. Boards that can stop by themselves will do so; otherwise all stop
-  // at once.
+  // The link to a board is lost. Boards with `survive` stop by themselves; otherwise all boards
+  // stop at once.
   void lost();
-  // A board has stopped: all others stop too.
+  // A board has stopped: all others stop, too.
   void halt();
   bool halted() const { return halted_; }
 

@@ -1,4 +1,4 @@
-// The far end of a link, in the same process: it takes bytes and gives bytes, in virtual time.
+// The far end of a link in the same process: it takes and returns bytes, in virtual time.
 #pragma once
 #include <cstdint>
 #include <limits>
@@ -15,11 +15,11 @@ class Device {
   virtual ~Device() = default;
   // Takes bytes from the host. `now` is the device's own clock and never runs backwards.
   virtual void feed(const uint8_t* data, size_t n, Ticks now) = 0;
-  // Executes everything that is due until `now` and appends its messages to the host.
+  // Executes everything that is due until `now`, and appends the device's messages to the host.
   virtual void poll(Ticks now, Bytes& out) = 0;
   // The clock of its next timer; kNever if only received bytes can wake it.
   virtual Ticks next_deadline() const = 0;
-  // True while it is shut down. The host learns this only from its messages.
+  // True while the device is shut down. The host learns this only from its messages.
   virtual bool stopped() const = 0;
 };
 

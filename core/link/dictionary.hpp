@@ -33,7 +33,7 @@ struct Format {
   // Appends id and values. Throws std::invalid_argument when they do not match the declaration.
   void encode(const std::vector<Value>& values, Bytes& out) const;
 
-  // Reads the values after the id; `in.ok` is false if they are cut short.
+  // Reads the values after the id; `in.ok` is false if the values are incomplete.
   void decode(Reader& in, std::vector<Value>& values) const;
 
  private:
@@ -42,13 +42,13 @@ struct Format {
   static void put(Bytes& out, uint32_t value);
 };
 
-// Formats of one direction.
+// All formats of one direction.
 class Formats {
  public:
   void add(int32_t id, const std::string& text);
   const Format* find(int32_t id) const;
   const Format* find(const std::string& name) const;
-  // Throws std::invalid_argument if the board does not know the message.
+  // Throws std::invalid_argument if the board does not have the message.
   const Format& at(const std::string& name) const;
   const std::vector<Format>& all() const { return list_; }
 

@@ -1,4 +1,4 @@
-// Starts a fan: fully on for a while, because its set power may not be enough to start it.
+// Starts a fan: full power for a time, because its set power may not be enough to start it.
 #pragma once
 #include <cstdint>
 
@@ -8,16 +8,16 @@ namespace passo::wire {
 
 class Kick {
  public:
-  Kick() = default;  // none
-  // If the fan's value rises from 0, or by more than `rise`, it is `full` for so many ticks first.
+  Kick() = default;  // no kickstart
+  // If the fan's value rises from 0, or by more than `rise`, it is `full` for this many ticks.
   Kick(Ticks ticks, uint32_t full, uint32_t rise) : ticks_(ticks), full_(full), rise_(rise) {}
 
   explicit operator bool() const { return ticks_ > 0; }
-  // The clock at which the fan gets its set value; kNever while it has it.
+  // The clock at which the kickstart ends; kNever without a kickstart.
   Ticks end() const { return end_; }
   uint32_t asked() const { return asked_; }
-  // The value that the fan gets at `clock`, before end(), if `asked` is requested and it has
-  // `value`. Only 0 and values above `full` end a kickstart.
+  // The value of the fan at `clock`, before end(), if `asked` is requested and the fan has `value`.
+  // Only 0 and values above `full` end a kickstart.
   uint32_t told(uint32_t asked, uint32_t value, Ticks clock) {
     bool goes_on = end_ != kNever, starts = value == 0 || asked > uint64_t(value) + rise_;
     asked_ = asked;
@@ -27,8 +27,8 @@ class Kick {
     return recent_ ? full_ : asked;
   }
   void over() { end_ = kNever; }
-  // The board may not have received the last messages. Returns whether they concerned a kickstart:
-  // then the fan must get its set value at once, because its current value is unknown.
+  // The board may not have received the last messages. Returns true if they concerned a kickstart:
+  // then the fan must get its set value at once, because its present value is unknown.
   bool interrupt() {
     if (recent_) end_ = 0;
     return recent_;

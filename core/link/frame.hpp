@@ -65,7 +65,7 @@ inline uint8_t* put_vlq(uint8_t* p, uint32_t value) {
   return p;
 }
 
-// The same without branches, for values whose length is as good as random. Writes kVlqRoom bytes.
+// The same without branches, for values of unpredictable length. Writes kVlqRoom bytes.
 inline constexpr size_t kVlqRoom = 8;
 PASSO_INLINE uint8_t* put_vlq_any(uint8_t* p, uint32_t value) {
   const unsigned more = unsigned(value + 32 >= 1u << 7) + unsigned(value + 4096 >= 1u << 14) +
@@ -82,7 +82,8 @@ PASSO_INLINE uint8_t* put_vlq_any(uint8_t* p, uint32_t value) {
   return p + 1 + more;
 }
 
-// Reads values of one payload; `ok` turns false for good when they end too early.
+// Reads the values of one payload. `ok` becomes false, and stays false, if the payload is too
+// short.
 struct Reader {
   const uint8_t *p, *end;
   bool ok = true;
@@ -99,7 +100,7 @@ struct Reader {
     }
     return v;
   }
-  // A length byte and as many bytes.
+  // A length byte and that many bytes.
   const uint8_t* blob(size_t& size) {
     size = 0;
     if (p >= end || size_t(end - p) < size_t(*p) + 1) {
@@ -120,7 +121,7 @@ struct Reader {
   }
 };
 
-// Completes the frame whose payload of `payload` bytes begins at frame + 2; returns its length.
+// Completes the frame whose payload of `payload` bytes starts at frame + 2; returns its length.
 inline size_t seal_frame(uint8_t* frame, size_t payload, uint64_t sequence) {
   size_t length = kHeader + payload + kTrailer;
   frame[0] = uint8_t(length);
@@ -138,7 +139,7 @@ inline void append_frame(Bytes& out, const uint8_t* payload, size_t size, uint64
   out.insert(out.end(), frame, frame + length);
 }
 
-// Finds frames in a stream of bytes split anywhere. Bytes that are not a frame are skipped up to
+// Finds frames in a stream of bytes that is cut anywhere. Skips bytes that are not a frame, up to
 // the next 0x7e.
 class Scanner {
  public:

@@ -55,7 +55,7 @@ void Heater::rearm() {
   fault_ = {};
   leave();
   protection_.restart();
-  if (body_) body_->restart();  // the model was fed with readings of a broken sensor
+  if (body_) body_->restart();  // the model received readings of a broken sensor
 }
 
 void Heater::interrupted() {
@@ -67,7 +67,7 @@ void Heater::interrupted() {
 
 bool Heater::report(uint32_t sum, Ticks clock, double clock_hz, uint32_t& value) {
   double dt = clock_ ? double(clock - *clock_) / clock_hz : 0;
-  if (dt > o_.longest_s) {  // it is unknown which power acted, and for how long
+  if (dt > o_.longest_s) {  // unknown: which power acted, and for how long
     dt = o_.longest_s;
     if (body_) body_->restart();
   }
@@ -114,7 +114,7 @@ void Heater::leave() {
 void Heater::arrive(double target, double dt) {
   if (target <= 0) return leave();
   double off = celsius_ - target, away = std::fabs(off);
-  bool crossed = off * std::exchange(off_, off) < 0;  // a coarse sensor steps over the window
+  bool crossed = off * std::exchange(off_, off) < 0;  // a coarse sensor skips the window
   about_s_ = away > o_.arrival.leaves_c ? 0 : about_s_ + dt;
   if (about_s_ >= Arrival::kTimeout) reached_ = true;
   if (away > o_.arrival.leaves_c) {

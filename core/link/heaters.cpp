@@ -83,7 +83,7 @@ void Heaters::query(const HeaterOptions& o, Ticks clock, bool wide, Ticks now) {
     std::vector<Value> words = {int64_t(o.sensor_oid), int64_t(uint32_t(due)),
                                 int64_t(q.rest_ticks), int64_t(wide ? 0 : q.minimum),
                                 int64_t(wide ? UINT32_MAX : q.maximum)};
-    // Klipper's firmware of before v0.11 has no such parameter.
+    // Firmware of Klipper before v0.11 has no such parameter.
     if (commands_.at("query_thermocouple").parameters.size() == 6)
       words.push_back(int64_t(q.range_checks));
     send_("query_thermocouple", words);
@@ -92,7 +92,7 @@ void Heaters::query(const HeaterOptions& o, Ticks clock, bool wide, Ticks now) {
   std::vector<Value> values = {int64_t(o.sensor_oid), int64_t(uint32_t(due)),
                                int64_t(q.sample_ticks), int64_t(q.sample_count),
                                int64_t(q.rest_ticks)};
-  // Older firmware does not ask how many bytes make a report.
+  // Older firmware has no parameter for the bytes of a report.
   if (commands_.at("query_analog_in").parameters.size() == 9) values.push_back(int64_t(2));
   values.push_back(int64_t(wide ? 0 : q.minimum));
   values.push_back(int64_t(wide ? o.adc_full : q.maximum));

@@ -1,4 +1,5 @@
-// The heaters of one board in its link: they take the reports of the sensors, and send commands.
+// The heaters of one board, for its link: they receive the reports of the sensors and send
+// commands.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -27,13 +28,13 @@ class Heaters {
   Heater& add(HeaterOptions options);
   // No heater is still heating or cooling to its target.
   bool reached() const;
-  // From now on the board learns the power that keeps each heater warm, in case this host falls
-  // silent.
+  // From now on the board gets the power that keeps each heater warm, in case the host stops
+  // sending.
   void keep();
   void tell_kept_again();
-  // There were no reports for a while.
+  // There were no reports for a time.
   void interrupted();
-  // True once after faults.
+  // Returns true once after faults.
   bool take_fault() { return std::exchange(fault_, false); }
   // analog_in_state oid next_clock values: next_clock is that of the next report; the newest of the
   // values (16 bits each) counts. Boards with older firmware send one value, as a number.
@@ -41,8 +42,8 @@ class Heaters {
   bool take(const std::vector<Value>& values, Ticks now);
 
  private:
-  static constexpr double kLeadSeconds = 0.1;  // from a report to the power it causes
-  static constexpr double kKeptStep = 0.02;    // of full power: smaller changes are not sent
+  static constexpr double kLeadSeconds = 0.1;  // from a report to the power that it causes
+  static constexpr double kKeptStep = 0.02;  // fraction of full power: minimum change that is sent
   static constexpr int64_t kKeptSeconds = 60;
 
   double hz_;
@@ -52,12 +53,12 @@ class Heaters {
   Send send_;
   std::vector<std::unique_ptr<Heater>> heaters_;
   bool keeps_ = false;
-  std::vector<int64_t> kept_;        // values that the host has sent to the board to keep
+  std::vector<int64_t> kept_;        // values that the board keeps if the host stops sending
   std::vector<Ticks> heater_clock_;  // of the last update sent
   bool fault_ = false;
 
   uint32_t read_converter(const HeaterOptions& o, uint32_t word, uint32_t faults);
-  // Queries the sensor's reports again, the next at `clock`.
+  // Queries the reports of the sensor again; the next one is due at `clock`.
   void query(const HeaterOptions& o, Ticks clock, bool wide, Ticks now);
   void tell_keeping(size_t i, int64_t value);
   void set_power(size_t i, uint32_t value, Ticks now);

@@ -156,7 +156,7 @@ JobStream::Fill JobStream::fill(uint8_t* payload, size_t& size, Ticks& first, Ti
     uint8_t* end = nullptr;
     if (m.kind == MessageKind::pin) {
       Pin& pin = pins_[m.target];
-      // The end of a kickstart and renewed values come at clocks of their own.
+      // The end of a kickstart, and renewed values, have clocks of their own.
       const Ticks clock = std::max(m.clock + base_, pin.told);
       Kick kick = pin.kick;
       uint32_t value = kick.told(m.interval, pin.value, clock);
@@ -209,7 +209,7 @@ JobStream::Prefix JobStream::prefix(const Formats& commands, const std::string& 
   return prefix;
 }
 
-// The next functions run once a message: `inline` lets fill() contain them.
+// The next functions run once for each message: `inline` allows fill() to contain them.
 
 inline void JobStream::count(const Message& m) {
   if (m.kind == MessageKind::tail || m.kind == MessageKind::commit) return;
@@ -255,7 +255,7 @@ inline uint8_t* JobStream::encode(const Message& m, uint8_t* p) const {
       p = put_vlq(put_vlq(put(p, commit_), m.interval), uint32_t(m.clock + base_));
       return put_vlq(p, m.dir);
     case MessageKind::pin:
-      break;  // it may be told something else
+      break;  // another command may follow
   }
   return p;
 }

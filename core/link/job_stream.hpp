@@ -1,5 +1,5 @@
-// Planned messages → commands of one board: which id and oid they get, when they may leave, and how
-// many move slots they hold.
+// Converts planned messages to the commands of one board: their id and oid, when they may leave,
+// and how many move slots they hold.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -22,8 +22,8 @@ enum class PinKind : uint8_t { digital, pwm };
 
 class JobStream {
  public:
-  // A message leaves at most this long before its clock, and at least kHorizon - kQuantum unless it
-  // was planned later: in between it waits for others to fill a frame.
+  // A message leaves at most this long before its clock. It leaves at least kHorizon - kQuantum
+  // before its clock, unless it was planned later: in between, it waits until a frame is full.
   static constexpr double kHorizonSeconds = 0.150, kQuantumSeconds = 0.025;
   static constexpr size_t kMaxCommitBytes = 2 + 5 + 5 + 1 + 2;  // followed by the question
   static constexpr size_t kMaxCommandBytes = 2 + 5 + 5 + 1 + 2 + kVlqRoom;
@@ -35,12 +35,12 @@ class JobStream {
   // std::invalid_argument if the board lacks a command.
   void add_stepper(const Formats& commands, size_t target, const std::string& name, uint32_t oid,
                    bool invert);
-  // The board takes commits: a message leaves so many ticks before its end instead, so that sent
-  // messages never delay a cut. That is early enough: the message that makes it valid comes later.
+  // The board takes commits: a message leaves this many ticks before its end instead, so that sent
+  // messages never delay a cut. The message that makes it valid is sent later.
   void use_commits(const Formats& commands, Ticks horizon);
-  // The board is armed: the messages that it has so far belong to no commit.
+  // The board is armed: the messages that it has received so far belong to no commit.
   void begin_commits() { staged_ = kNever; }
-  // The clocks of its messages are another board's from now on; `tolerance` is that of a step's
+  // From now on the clocks of its messages are those of another board. `tolerance` of a step's
   // time, in ticks of this board.
   Retimer& retime(double tolerance);
   Retimer* retimer() { return retimer_.get(); }
@@ -51,17 +51,17 @@ class JobStream {
                PinKind kind, uint32_t inverted_full, Ticks longest);
   // The kickstart of a pin of this board. Other messages are not affected.
   void set_kick(size_t target, Kick kick);
-  // The board clock at which a pin must be renewed, because the board would otherwise assume that
-  // the host is gone; kNever if none.
+  // The board clock at which a pin must be renewed, so that the board does not time out; kNever if
+  // there is none.
   Ticks renew_at() const;
   // The command for a pin that is due at board clock `now`, after all commands on their way; empty
-  // if no pin is due.
+  // if none is due.
   Bytes renew(Ticks now);
   // The value that a board receives for `value` of a pin.
   static uint32_t on_wire(uint32_t value, uint32_t inverted_full);
   // The last value of a pin that was sent, as it was before inversion.
   uint32_t pin_value(size_t target) const { return pins_.at(target).value; }
-  // Slots of the board that this stream may hold at once.
+  // Move slots of the board that this stream may use at once.
   void set_slots(size_t slots);
   void set_queue(MessageQueue* queue) { queue_ = queue; }
 
@@ -78,11 +78,11 @@ class JobStream {
   // The commands that every motor needs before its first step.
   std::vector<Bytes> resets(Ticks clock) const;
 
-  // full: the next command did not fit. complete: the board must have all so far before the next
-  // one.
+  // full: the next command did not fit. complete: the board must have all earlier messages before
+  // the next one.
   enum class Fill : uint8_t { dry, full, complete };
-  // Whether the message that makes a commit valid may go into a frame. `and_ask`: with the question
-  // for the executed commits.
+  // Whether the message that makes a commit valid may go into a frame. `and_ask`: together with the
+  // query of the executed commits.
   enum class Word : uint8_t { no, yes, and_ask };
   // Appends commands that may leave at board clock `now` to a payload of `size` bytes (room for
   // kPayloadMax + kMaxCommandBytes). `first` becomes the clock of the most urgent message in the
@@ -96,9 +96,9 @@ class JobStream {
   // A frame whose most urgent message is due at `first` must leave at this board clock at the
   // latest.
   Ticks must_leave(Ticks first) const { return first - horizon_ + quantum_; }
-  // The next message has to wait for a slot.
+  // The next message waits for a slot.
   bool short_of_slots() const { return slot_wait_ != kNever; }
-  // Board clock at which fill() is worth calling again.
+  // Board clock of the next useful call of fill().
   Ticks wake() const;
 
  private:
@@ -131,12 +131,12 @@ class JobStream {
   Prefix commit_{}, query_{};
   bool commits_ = false;
   bool kicks_ = false;       // of some pin
-  bool renews_ = false;      // some pin must be renewed regularly
+  bool renews_ = false;      // a pin must be renewed regularly
   bool complete_ = false;    // commands at the board, or on their way, wait for a commit
-  std::vector<Ticks> ends_;  // board clocks at which slots in use are free again; unordered
+  std::vector<Ticks> ends_;  // board clocks at which used slots become free; unordered
   size_t slots_ = 0;
   Ticks slot_wait_ = kNever;
-  Ticks staged_ = kNever;  // clock of the first message of the commit that is not complete yet
+  Ticks staged_ = kNever;  // clock of the first message of the incomplete commit
   MessageQueue* queue_ = nullptr;
   bool running_ = false;
   Ticks base_ = 0;
@@ -150,19 +150,19 @@ class JobStream {
   // The stream hash covers the clocks of the timeline, so the error of a board's clock does not
   // change it.
   void count(const Message& m);
-  // Takes a message, if one is due and those before it are on their way.
+  // Takes a message, if one is due and all earlier ones are on their way.
   void retime(Ticks limit);
   static Prefix prefix(const Formats& commands, const std::string& name);
   static uint8_t* put(uint8_t* p, const Prefix& prefix);
   uint8_t* encode(const Message& m, uint8_t* p) const;
   static uint8_t* put_value(uint8_t* p, const Pin& pin, Ticks clock, uint32_t value);
-  // The pin whose kickstart ends first, not after that board clock; null if none.
+  // The pin whose kickstart ends first, at or before that board clock; null: none.
   Pin* kicked_until(Ticks clock);
   // The board needs moves by their first step, with the messages before them. Staged moves need
   // their commit by then too, and by the clock of the commit before, at which the board would
   // brake.
   Ticks needed_at(const Message& m);
-  // Forgets the slots that are free by now; false if there is none.
+  // Frees the slots that are free by now; returns false if there is none.
   bool free_slots(Ticks now);
 };
 

@@ -14,7 +14,7 @@ Link::Link(double clock_hz)
     : hz_(clock_hz), window_(clock_hz), sync_(clock_hz), job_(clock_hz), lateness_(clock_hz),
       heaters_(clock_hz, commands_, sync_, job_,
                [this](const std::string& name, const std::vector<Value>& values) {
-                 if (!shut_down_) send(name, values);  // the board only measures
+                 if (!shut_down_) send(name, values);  // during this time the board only measures
                }) {
   reports_.add(0, "identify_response offset=%u data=%.*s");
   commands_.add(1, "identify offset=%u count=%c");
@@ -142,7 +142,7 @@ void Link::reconnect() {
   heaters_.interrupted();
   if (following_) follow_clock(0);
   long_ago_ = true;
-  configured_ = false;  // as far as is known; opening a port resets many boards
+  configured_ = false;  // an estimate: opening a port resets many boards
 }
 
 bool Link::told() const {
@@ -240,7 +240,7 @@ int32_t Link::id_of(const std::string& name) const {
   return format ? format->id : -1000;
 }
 
-// `inline`: code that runs once a frame becomes part of poll() and feed().
+// `inline`: code that runs once for each frame becomes part of poll() and feed().
 
 inline Ticks Link::wake(Ticks now) {
   if (!sync_.ready()) return 0;
@@ -352,14 +352,14 @@ void Link::ask_clock(Ticks now) {
   if (asked_) {
     lost_ = now - asked_at_ > Ticks(kLostSeconds * hz_);
     if (timeline_ && lost_) timeline_->lost();
-    // An answer comes before the acknowledgement, or never. Two questions on their way would be
-    // taken for each other.
+    // An answer comes before the acknowledgement, or never. Only one question is on its way,
+    // because the answers do not tell them apart.
     if (question_ == 0 || window_.acked() <= question_) return;
   }
   Bytes payload;
   commands_.at(sync_.ready() ? "get_clock" : "get_uptime").encode({}, payload);
   now_queue_.push_back({std::move(payload), Asks::clock});
-  // Its reports may have been lost.
+  // Its reports may be lost.
   if (keeps_ && job_.running() && (!asks_often() || samples_ % kSamplesPerState == 0))
     send("survive_query", {});
   if (!asked_) asked_at_ = now;
@@ -383,7 +383,7 @@ inline bool Link::is_starting(const uint8_t* payload, size_t size) const {
 }
 
 void Link::started() {
-  if (!configured_) return window_.restart();  // or it would get the reset command again
+  if (!configured_) return window_.restart();  // otherwise it gets the reset command again
   begun_anew_ = true;
   job_.stop();
   if (timeline_) timeline_->lost();
@@ -435,14 +435,14 @@ void Link::take_trsync(const std::vector<Value>& values) {
 }
 
 inline void Link::take_clock(bool uptime, const std::vector<Value>& values, Ticks answered) {
-  // It answers the frame that it acknowledges. After a lost link one may come that was asked for
-  // before; the next question must not be taken for answered by that.
+  // The answer belongs to the frame that it acknowledges. After a link loss, the answer to an
+  // earlier question may arrive; it must not count as the answer to the next question.
   if (!asked_ || question_ == 0 || window_.acked() != question_ + 1) return;
   asked_ = false;
   lost_ = false;
   if (window_.opening(question_)) return;
-  // For a frame that was sent again it is unknown which copy was answered, but none was answered
-  // before the first copy was sent. Only that bound is used for the clock.
+  // For a repeated frame it is unknown which copy was answered, but no copy was answered before the
+  // first one was sent. Only that bound is used for the clock.
   Ticks heard = window_.sent_at(question_) + on_the_line(window_.length(question_));
   answered = std::max(answered, heard);
   if (uptime)
@@ -451,7 +451,7 @@ inline void Link::take_clock(bool uptime, const std::vector<Value>& values, Tick
   else if (sync_.ready())
     sync_.add(uint32_t(std::get<int64_t>(values.at(0))), heard, answered);
   ++samples_;
-  woke_ = kNever;  // the clock is known better
+  woke_ = kNever;  // the estimate of the clock is better now
   if (timeline_) follow_timeline(answered);
 }
 

@@ -1,6 +1,7 @@
-// The host's end of a board's wire. No input, output, thread or clock of its own: the caller brings
-// bytes and host time (ticks of the nominal frequency) and takes bytes and the next deadline. Where
-// a thread drives it (live_wire.hpp), all others hold guard() while they use it.
+// The host's end of a connection to a board. It has no I/O, thread or clock of its own: the caller
+// passes received bytes and host time (ticks of the nominal frequency), and gets the bytes to send
+// and the next deadline. If a thread drives it (live_wire.hpp), all other callers hold guard()
+// while they use it.
 #pragma once
 #include <cstdint>
 #include <deque>
@@ -37,38 +38,38 @@ class Link {
   std::mutex& guard() { return guard_; }
   double hz() const { return hz_; }
 
-  // Replaces the two messages that every board has by its whole dictionary.
+  // Replaces the two messages that every board has by the board's dictionary.
   void set_dictionary(Formats commands, Formats reports, size_t receive_window);
   const Formats& commands() const { return commands_; }
 
-  // Queues one command to be sent at once, before any of the job. An emergency stop replaces
-  // everything that the board has not acknowledged yet.
+  // Queues one command that is sent at once, before the messages of the job. An emergency stop
+  // replaces everything that the board has not acknowledged.
   void send(const std::string& name, const std::vector<Value>& values);
   // Messages of the board that the core does not use, oldest first.
   std::deque<Response>& inbox() { return inbox_; }
 
-  // Starts to follow the clock of the board, which has its configuration; its first answer makes
-  // synchronous() true.
+  // Starts to estimate the clock of the configured board; its first answer makes synchronous()
+  // true.
   void follow_clock(Ticks now);
-  // Ticks that a byte takes on a serial line: a frame has arrived when its last byte has arrived.
+  // Ticks that a byte takes on a serial line. A frame arrives with its last byte.
   void set_byte_ticks(double ticks);
   bool synchronous() const { return sync_.ready(); }
   const ClockSync& clock() const { return sync_; }
-  // True if the board left its questions unanswered for some four seconds, or has restarted.
+  // True if the board has not answered for about four seconds, or has restarted.
   bool lost() const { return lost_ || begun_anew_; }
-  // The board reported `starting`: it rebooted, after a reset or a failure of its supply, and lost
-  // its configuration. Nothing is sent to it until it is connected again.
+  // The board reported `starting`: after a reset or a power failure it rebooted and lost its
+  // configuration. Nothing is sent to it until it is connected again.
   bool begun_anew() const { return begun_anew_; }
 
-  // This link's board is one of several: the main one, whose clock is that of the timeline, or a
-  // further one, whose steps may miss their times by `tolerance` ticks more than the plan's.
+  // This link's board is one of several. The main board's clock is that of the timeline. The steps
+  // of a further board may miss their times by `tolerance` additional ticks.
   void join(std::shared_ptr<Timeline> timeline, bool main, double tolerance);
   size_t seat() const { return seat_; }
-  // This board's clock when the main one's reads `clock`, and the other way.
+  // Converts a clock of the main board to this board's clock; the second function converts back.
   Ticks own_clock(Ticks clock) const;
   Ticks main_clock(Ticks own) const;
   JobStream& job() { return job_; }
-  // The messages of the job; other threads may use them as well, if one drives this link.
+  // The messages of the job. If a thread drives this link, other threads may use them, too.
   void set_queue(MessageQueue* queue);
   // From now on a thread drives this link.
   void set_live();
@@ -79,54 +80,54 @@ class Link {
   Heater& add_heater(HeaterOptions options);
   // No heater is still heating or cooling to its target.
   bool heaters_reached() const { return heaters_.reached(); }
-  // The board takes commits (docs/decisions/0013-survive.md): messages leave `horizon` ticks ahead,
-  // and the board learns the power that keeps each heater warm, in case this host falls silent.
+  // The board takes commits (docs/decisions/0013-survive.md): messages leave `horizon` ticks ahead.
+  // The board gets the power that keeps each heater warm, in case the host stops sending.
   void use_commits(Ticks horizon);
   // Call at standstill: motion comes in commits from here on, if `on`.
   void begin_commits(bool on);
-  // True once after faults of heaters: the host has sent the board the command to switch them off.
+  // True once after faults of heaters: the host has sent the commands that switch them off.
   bool take_fault() { return heaters_.take_fault(); }
 
-  // The board reported that it stopped; its static_string_id has the reason.
+  // The board reported that it stopped; its static_string_id is the reason.
   bool shut_down() const { return shut_down_; }
   uint32_t shutdown_reason() const { return shutdown_reason_; }
-  // The host has stopped this board, because another board of the machine had stopped or was lost.
+  // The host has stopped this board, because another board of the machine stopped or was lost.
   bool stopped_with_others() const { return halted_; }
-  // The board restarts, after a reset or a power cycle: messages on their way are dropped.
+  // The board restarts after a reset or a power cycle: messages on their way are dropped.
   void restart();
 
-  // The board has not received anything from this host in time, and stops by itself.
+  // The board has not received messages in time, and stops by itself.
   bool alone() const { return alone_; }
 
   // The link was broken, and the board has run without the host: messages on their way are dropped,
-  // and the job waits until go_on().
+  // and the job waits for go_on().
   void reconnect();
-  // The board has all commands that were sent at once. Their immediate answers have been received
-  // by then, or are lost.
+  // The board has all commands that were sent at once. Their immediate answers have arrived, or are
+  // lost.
   bool told() const;
-  // Age of the oldest message that the board has not acknowledged, in seconds, when its clock reads
-  // `clock`; 0 if it has acknowledged all.
+  // Age in seconds of the oldest message that the board has not acknowledged, when its clock reads
+  // `clock`; 0 if there is none.
   double unheard_s(Ticks clock) const;
   // The board has all messages of the job so far. If motion comes in commits, the board has
-  // confirmed the one after which the machine is at standstill.
+  // confirmed the commit that ends at standstill.
   bool delivered() const;
-  // The board has its outputs under control again; the job continues.
+  // The outputs of the board are under control again; the job continues.
   void go_on();
 
   uint64_t wire_bytes() const { return wire_bytes_; }
   uint64_t frames() const { return frames_; }
   uint64_t retransmitted_bytes() const { return window_.retransmitted_bytes(); }
   Lateness& lateness() { return lateness_; }
-  // The last frames that were sent and received, once recording is on.
+  // The last sent and received frames, if recording is on.
   FrameRecord& record() { return record_; }
 
-  // Bytes from the board. False if these were only acknowledgements that nothing waits for: then
-  // poll() need not be called for them.
+  // Takes bytes from the board. Returns false if poll() need not be called for them: they were only
+  // acknowledgements that nothing waits for.
   bool feed(const uint8_t* data, size_t n, Ticks now);
-  // The cable takes no bytes now, so poll() has to wait.
+  // The cable takes no bytes now: poll() has to wait.
   void cable_full(Ticks now);
 
-  // Appends the bytes to send now; returns the host time of the next useful call, if no bytes come
+  // Appends the bytes to send now. Returns the host time of the next useful call if no bytes arrive
   // before.
   Ticks poll(Ticks now, Bytes& out);
 
@@ -136,8 +137,8 @@ class Link {
   static constexpr int kQuickSamples = 8, kQuickSamplesOfSeveral = 300;
   static constexpr int kSamplesPerState = 8;  // where the host queries the clock often
   static constexpr double kQuickSeconds = 0.05, kSyncSeconds = 0.9839;
-  // With several boards: usual value; and the value at the beginning, or if the delay of answers
-  // varies.
+  // With several boards: usual period of queries; and the period at the start, or while the delay
+  // of answers varies.
   static constexpr double kSyncOfSeveralSeconds = 0.0983, kOftenSeconds = 0.0113;
   static constexpr double kJitterSeconds = 50e-6, kRenewSeconds = 0.9;
   static constexpr size_t kInboxMax = 4096;
@@ -152,7 +153,7 @@ class Link {
   Lateness lateness_;
   FrameRecord record_;
   Ticks due_ = kNever;                  // host time by which poll() should be called
-  Ticks woke_ = kNever, clock_ = 0;     // host time of the last poll, and the board's clock then
+  Ticks woke_ = kNever, clock_ = 0;     // host time of the last poll; board clock then
   std::shared_ptr<Timeline> timeline_;  // none: this is the only board
   size_t seat_ = 0;
   bool main_ = true, halted_ = false;
@@ -162,13 +163,13 @@ class Link {
   MessageQueue* queue_ = nullptr;
   bool live_ = false;
   enum class Asks : uint8_t { nothing, clock, state };
-  std::deque<std::pair<Bytes, Asks>> now_queue_;  // commands, and the questions in them
-  Bytes stop_;                                    // emergency_stop, if it has to leave
+  std::deque<std::pair<Bytes, Asks>> now_queue_;  // commands, and the queries among them
+  Bytes stop_;                                    // emergency_stop, until it is sent
   std::deque<Response> inbox_;
   Heaters heaters_;
   bool keeps_ = false;  // the board takes commits
 
-  // The frame under construction lies in the window's next block.
+  // The frame under construction is in the window's next block.
   size_t open_size_ = 0;
   Ticks open_first_ = kNever, open_need_ = kNever;
   bool holds_question_ = false, holds_query_ = false, holds_command_ = false;
@@ -178,19 +179,18 @@ class Link {
   Ticks next_sync_ = kNever;
   uint64_t question_ = 0;  // number of the frame that carries the last question for the clock
   int samples_ = 0;
-  Ticks asked_at_ = 0;  // the first of the questions that were not answered
+  Ticks asked_at_ = 0;  // the first query without an answer
   bool lost_ = false;
   int32_t clock_id_ = -1000, uptime_id_ = -1000, analog_id_ = -1000, converter_id_ = -1000,
           shutdown_id_ = -1000, is_shutdown_id_ = -1000, trsync_id_ = -1000, starting_id_ = -1000;
   bool configured_ = false, begun_anew_ = false;
   int32_t survive_id_ = -1000;
-  static constexpr int64_t kBraking = 4;   // states of survive_state from this on: the board acts
-                                           // without the host
-  bool alone_ = false, long_ago_ = false;  // the board has not reported for a while
+  static constexpr int64_t kBraking = 4;   // from this survive_state on, the board acts alone
+  bool alone_ = false, long_ago_ = false;  // the board has not reported for a time
   uint64_t last_of_job_ = 0;               // number of the last frame with messages of the job
   uint32_t committed_ = 0;                 // serial of the last commit sent
   bool taken_ = true;                      // the board has confirmed it, or was not queried
-  bool waits_ = false;                     // a commit message waits for this board, or for others
+  bool waits_ = false;                     // a commit message waits for this board or for others
   uint64_t last_command_ = 0;              // number of the last frame with commands
   uint64_t query_ = 0;                     // number of the frame with the last other query
   bool queried_ = false;                   // such a query must be sent
@@ -205,8 +205,8 @@ class Link {
   // The reason why no more of the job can be sent now.
   Cause obstacle(Ticks clock) const;
 
-  // Puts the allowed messages into the open frame; true if it has to leave now. `more`: there may
-  // be another.
+  // Puts the allowed messages into the open frame; returns true if the frame must leave now.
+  // `more`: another frame may follow.
   bool fill_frame(Ticks clock, bool& more);
 
   // With several boards, the commit message is sent as soon as all boards have acknowledged the
@@ -214,9 +214,9 @@ class Link {
   // queried only for the commits after which the machine is at standstill. The answer of a board
   // arrives before the acknowledgement, or never.
   JobStream::Word word_for(uint32_t serial, bool rest);
-  // The board has not answered whether it has the last commit that was queried.
+  // The board has not answered the last query for a commit.
   bool must_ask_state() const;
-  // The board and the host have the same last commit.
+  // The board and the host agree on the last commit.
   void agree() { committed_ = 0, taken_ = true, waits_ = false; }
   // Checks the reported state of the board. After a frame that follows the commit message, the
   // board must have the commit; if it does not, it has acknowledged damaged bytes.
@@ -235,7 +235,7 @@ class Link {
 
   Ticks deadline(Ticks now) const;
 
-  // Accepts any frame number: the board has restarted its count.
+  // Accepts any frame number: the board restarted its count.
   bool is_starting(const uint8_t* payload, size_t size) const;
   void started();
   void receive(const uint8_t* payload, size_t size, Ticks now);

@@ -78,7 +78,7 @@ bool Pump::arrive(Ticks next, Ticks until) {
     return false;
   }
   now_ = std::max(now_, until);
-  // Nothing is due, but they learn the time.
+  // Nothing is due; they only receive the time.
   for (End& end : ends_) end.device->poll(end.own(now_), end.up);
   return true;
 }
@@ -96,7 +96,7 @@ Ticks Pump::exchange(End& end, bool& moved) {
   const Ticks now = end.own(now_);
   for (;;) {
     bool sampled = cpu_clock_ && exchanges_++ % kSample == 0;
-    if (sampled) cpu_clock_();  // the first call after a while takes longer than the next
+    if (sampled) cpu_clock_();  // the first call after a pause is slower than the next
     double begun = clock(sampled), asked = clock(sampled);
     end.down.clear();
     Ticks next = end.link->poll(now, end.down);

@@ -15,23 +15,23 @@ class Pump {
   // Host time equals the first device's clock and begins at `start`.
   // `cpu_clock` gives CPU seconds, or is null.
   Pump(Link& link, Device& device, Ticks start, double (*cpu_clock)() = nullptr);
-  // A further device, or another link to one that is here already. The device's clock is host time,
-  // in ticks of the link's frequency.
+  // Adds a device, or another link to a device. Host time is the device's clock, in ticks of the
+  // link's frequency.
   void attach(Link& link, Device& device);
 
   Ticks now() const { return now_; }
   double hz() const { return ends_[0].link->hz(); }
   // The clock of a link's board, as estimated.
   Ticks board_clock(const Link& link) const;
-  // The cables are cut: no byte arrives any more.
+  // Cuts the cables: no byte arrives any more.
   void cut() { cut_ = true; }
-  // This host does nothing until then; the boards continue to run.
+  // The host does nothing until then; the boards continue.
   void sleep(Ticks until);
-  // Runs until then, whatever stops: boards that are shut down still measure temperatures.
+  // Runs until then, even if boards stop: boards that are shut down still measure temperatures.
   void stand_by(Ticks until);
-  // The part of run()'s work that is the devices', from a sample of one exchange in kSample.
+  // The devices' part of run()'s CPU time, from one exchange in kSample.
   double device_share() const;
-  // Records the bytes that the host sends to the first board, with their frames, from now on.
+  // From now on records the bytes that the host sends to the first board, in frames.
   void record(bool on);
   Bytes& recorded() { return recorded_; }
 

@@ -80,7 +80,7 @@ void Retimer::steps(const Message& m, Way& motor) {
   const size_t n = size_t(count);
   if (times_.size() < n + 8)
     for (auto* v : {&times_, &lo_, &hi_, &executed_}) v->resize(2 * (n + 8));
-  // Steps that the rounding of the one before has come too close to are late by as much.
+  // Rounding may bring a step too close to the next one: the next step is then later.
   double* t = times_.data() + 1;
   double apart = motor.turning ? apart_of.turning : apart_of.least;
   t[-1] = double(motor.last);

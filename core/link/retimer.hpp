@@ -1,4 +1,4 @@
-// Messages of the timeline → messages in the clock of one further board.
+// Converts messages of the timeline to the clock of one further board.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -16,7 +16,7 @@ namespace passo::wire {
 
 // Step k of a message is due at a tick of the main board's clock. It gets the tick of its own
 // board's clock at the same instant, rounded within a window as by the compressor. One message
-// becomes one or several messages.
+// becomes one or more messages.
 class Retimer {
  public:
   // The minimum distance of a motor's steps in ticks of this board: in one direction, and at a
@@ -32,11 +32,12 @@ class Retimer {
   void set_apart(size_t stepper, Apart apart);
   // The job begins; a tick of its clock is `ratio` ticks here, nominally.
   void start(double job_hz, double ratio);
-  // The messages taken so far are void: all motors are at standstill, and get their clocks again.
+  // The messages taken so far are void: all motors are at standstill, and their clocks are set
+  // again.
   void begin_anew();
   int64_t clock_of(int64_t clock) const;
 
-  // The messages for the board from those taken so far.
+  // Returns the messages for the board from those taken so far.
   MessageQueue& ready() { return ready_; }
 
   void retime(const Message& m);
@@ -72,7 +73,7 @@ class Retimer {
   std::unique_ptr<Stabbing> stabbing_;
   std::vector<double> times_, lo_, hi_, executed_;
 
-  // A tail counts on from the last step before it, and is sent at the clock of its commit. Without
+  // A tail continues from the last step before it, and is sent at the clock of its commit. Without
   // steps it sets the motor's clock.
   void tail(const Message& m);
 

@@ -32,7 +32,7 @@ void Lateness::left(uint64_t number, Ticks must, Ticks need, Ticks clock) {
 void Lateness::arrived(uint64_t number, bool again, Ticks clock) {
   Frame& f = frames_[number % kFrames];
   if (f.need == kNever) return;
-  // Its answer may have waited for this program.
+  // The answer may have waited for this program.
   Ticks deaf = overlap(Cause::stall, f.left, clock), way = clock - f.left - deaf;
   Slack s{f.need - clock + deaf, f.need, 0, Cause::plan};
   for (size_t i = 0; i < kCauses; ++i) {

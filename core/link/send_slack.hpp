@@ -14,8 +14,8 @@ namespace passo::wire {
 enum class Cause : uint8_t { plan, stall, bytes, retransmits, slots };
 inline constexpr size_t kCauses = 5;
 
-// Of a frame: how long before the clock of its most urgent message it arrived, and what delayed it
-// for the longest: `held` ticks of the time since it should have left, or all of a stall.
+// For a frame: how long before the clock of its most urgent message it arrived, and the cause of
+// the longest delay: `held` ticks of the time since it should have left, or all of a stall.
 struct Slack {
   Ticks slack = kNever, clock = 0, held = 0;
   Cause cause = Cause::plan;
@@ -24,22 +24,23 @@ struct Slack {
 // All times are the board's clock. The cost is per frame and per poll of the link, not per message.
 class Lateness {
  public:
-  // A frame with less than this to spare counts as late.
+  // A frame with less slack than this counts as late.
   static constexpr double kLateSeconds = 0.060;
 
   explicit Lateness(double clock_hz)
       : late_(Ticks(kLateSeconds * clock_hz)), stall_(Ticks(kStallSeconds * clock_hz)) {}
 
-  // Frames that are on their way do not count any more.
+  // Drops the frames that are on their way.
   void restart();
   // The link polls again; it should have polled by `due`.
   void woke(Ticks due, Ticks clock);
-  // It has sent all that it could; `reason` is why it cannot send more (plan: nothing more is due).
+  // The link has sent everything that it could; `reason` is why it cannot send more (plan: nothing
+  // more is due).
   void looked(Cause reason, Ticks clock);
-  // A frame leaves that should have left at `must` and is useless after `need` (kNever: no message
-  // of the job is in it).
+  // A frame leaves that should have left at `must`, and is useless after `need` (kNever: it has no
+  // message of the job).
   void left(uint64_t number, Ticks must, Ticks need, Ticks clock);
-  // The board has it; `again`: not all copies arrived.
+  // The frame has arrived; `again`: some copies did not arrive.
   void arrived(uint64_t number, bool again, Ticks clock);
 
   // The minimum slack since the last call; kNever: no frame has arrived since.
@@ -51,7 +52,7 @@ class Lateness {
 
  private:
   static constexpr size_t kFrames = 16;  // more than may be on their way
-  // An operating system sometimes wakes a program this late, without consequences.
+  // An operating system sometimes wakes a program this late; that has no consequences.
   static constexpr double kStallSeconds = 0.005;
   struct Frame {
     Ticks must = 0, need = kNever, left = 0;

@@ -47,7 +47,7 @@ bool Window::acknowledge(uint8_t sequence, bool empty, Ticks now) {
   if (!synchronous_) {
     if (idle()) return true;
     synchronous_ = true;
-    if (number != next_) {  // the board counts from elsewhere: number the first frame as it expects
+    if (number != next_) {  // the board may count from any number: its answer gives the first one
       renumber(number);
       return true;
     }
@@ -82,7 +82,7 @@ void Window::poll(Ticks now, Bytes& out) {
   if (!late && !resend_) return;
   if (late && (!measured_ || ++silent_ > kSteady)) rto_ = std::min(rto_ * 2, rto_max_);
   resend_ = false;
-  // Copies of frames that did arrive will be refused: those refusals mean nothing.
+  // Copies of frames that did arrive will be refused: those refusals are ignored.
   ignored_ = next_;
   size_t before = out.size();
   out.push_back(kSync);

@@ -1,4 +1,5 @@
-// Frames on their way to the board: numbered, kept until acknowledged, sent again when lost.
+// Frames on their way to the board: numbered, kept until the board acknowledges them, and sent
+// again if they are lost.
 #pragma once
 #include <cstdint>
 
@@ -22,11 +23,11 @@ class Window {
   static constexpr uint64_t kBlocks = 12;
   // A frame under construction may overrun its end by a command.
   static constexpr size_t kOverrun = 24;
-  // Repetitions at the same distance. At the shortest distance they take 100 ms, and each command
-  // leaves longer than that before it is due.
+  // Repetitions at a constant distance. At the shortest distance they take 100 ms; each command
+  // leaves earlier than that before it is due.
   static constexpr int kSteady = 4;
-  // Of the minimum wait for an answer: an answer that is late by less than the one counts as usual,
-  // and answers within the other came together.
+  // Fractions of the minimum wait for an answer: an answer that is late by less than the first
+  // counts as usual; answers within the second came together.
   static constexpr Ticks kUsualShare = 10, kApartShare = 2;
 
   explicit Window(double clock_hz)
@@ -47,7 +48,7 @@ class Window {
     return receive_window_ == 0 || bytes_ == 0 || bytes_ + kFrameMin + payload <= receive_window_;
   }
   bool idle() const { return next_ == acked_; }
-  // Frames that the board has not acknowledged yet were sent more than once.
+  // Some frames that the board has not acknowledged were sent more than once.
   bool resending() const { return !idle() && blocks_[acked_ & kSequenceMask].again; }
   // The board has refused a frame, which poll() sends again.
   bool refused() const { return resend_; }
@@ -60,20 +61,21 @@ class Window {
   // Completes the next frame and sends it.
   void seal(size_t payload, Ticks now, Bytes& out);
 
-  // Replaces all frames that the board has not acknowledged, and the next one, by `payload`:
-  // whichever frame the board accepts next is this one. poll() sends it, again soon, and nothing
-  // new before the board has it. False while the first answer of the board is outstanding: then
-  // call it again after that answer.
+  // Replaces all frames that the board has not acknowledged, and the next one, by `payload`: the
+  // board accepts this frame next. poll() repeats it at short intervals, and sends nothing new
+  // until the board has it. Returns false while the board's first answer is outstanding: then call
+  // it again after that answer.
   bool replace(const Bytes& payload);
 
-  // A good frame came from the board. `empty`: an acknowledgement without content; the second of
-  // its kind is a refusal. False if the number is impossible (ignore the frame).
+  // A good frame came from the board. `empty`: an acknowledgement without content; the second with
+  // the same number is a refusal. Returns false if the number is impossible; then the frame is
+  // ignored.
   bool acknowledge(uint8_t sequence, bool empty, Ticks now);
 
-  // Sends due frames again. Call before anything new is sealed.
+  // Sends due frames again. Call it before seal().
   void poll(Ticks now, Bytes& out);
   Ticks deadline() const { return idle() ? kNever : deadline_; }
-  // The frame had to be sent again, or is too old to be known.
+  // The frame was sent again, or is too old to be known.
   bool repeated(uint64_t number) const;
   // The frame was the first after a restart: an answer to it may be that to another one.
   bool opening(uint64_t number) const { return blocks_[number & kSequenceMask].opening; }
@@ -86,7 +88,7 @@ class Window {
     uint8_t length = 0;
     bool again = false;  // also of numbers that renumbering has left out, and of the first
     bool opening = false;
-    Ticks sent = 0, gone = 0;  // the first time; and when its last byte left that time
+    Ticks sent = 0, gone = 0;  // time of its first sending; and when its last byte left then
   };
 
   Block blocks_[kSequenceMask + 1];
@@ -98,17 +100,17 @@ class Window {
   Ticks rto_min_, rto_max_, rto_start_, rto_, base_ = 0, deadline_ = kNever;
   Ticks smooth_ = 0, variation_ = 0;
   double byte_ticks_ = 0;
-  Ticks line_free_ = 0;      // when all bytes so far have gone out
+  Ticks line_free_ = 0;      // when the last byte so far has left
   int silent_ = 0;           // repetitions since the board last answered
   Ticks doubtful_ = kNever;  // from the first sending of a repeated frame to its answer
   Ticks apart_ = 0;          // frames before this came with that answer
-  Ticks copied_ = 0;         // when the last copy had gone out
+  Ticks copied_ = 0;         // when the last copy had left
   uint64_t retransmitted_bytes_ = 0;
 
   Ticks patience() const { return acked_ < urgent_ ? rto_min_ : rto_; }
   Block& block(uint64_t number) { return blocks_[number & kSequenceMask]; }
 
-  // When the last of some bytes has gone out.
+  // Returns when the last of these bytes has left.
   Ticks on_the_line(size_t bytes, Ticks now);
 
   void renumber(uint64_t number);

@@ -1,4 +1,4 @@
-// From the machine's timeline to the clock of one of its further boards.
+// Converts the machine's timeline to the clock of one further board.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ class TimeMap {
     used_ = 0;
   }
   double hz() const { return hz_; }
-  // Up to `t` the chain is in use.
+  // The chain is in use up to `t`.
   void use(double t) { used_ = std::max(used_, t); }
   double at(double t) const {
     size_t i = pieces_.size() - 1;
@@ -27,7 +27,7 @@ class TimeMap {
     const Piece& p = pieces_[i];
     return p.value + (t - p.from) * p.rate;
   }
-  // The job's tick at which the board's clock reads `value`, by the latest piece.
+  // The job's tick at which the board's clock reads `value`, by the last line.
   double inverse(double value) const {
     const Piece& p = pieces_.back();
     return p.from + (value - p.value) / p.rate;
@@ -43,7 +43,7 @@ class TimeMap {
     pieces_.push_back({from, value, (expected(until) - value) / hz_});
     if (pieces_.size() > kKept) pieces_.pop_front();
   }
-  // From `now` on no time is in use any more: it restarts at the expected clock of the board.
+  // From `now` on no time is in use: the chain restarts at the expected clock of the board.
   template <class Expected>
   void begin_anew(double now, Expected&& expected) {
     double from = std::ceil(now), value = expected(from);

@@ -53,7 +53,7 @@ void BoardBudget::dwell(double seconds) {
 void BoardBudget::bound_steps(Move& m) {
   double steps = curved_motors_ > 0 ? m.curved_steps : 0;
   for (Motor& motor : motors_) steps += motor.count(m, machine_.joints);
-  // Of the motors together: they may take up the gaps of their drives.
+  // All motors together: they may take up the gaps of their drives.
   const double every[] = {1, 1, 1};
   steps *= 1 + machine_.filters.share(every);
   m.steps[index_] = float(steps);
@@ -126,7 +126,7 @@ inline void BoardBudget::spend(Move& m, double start2) {
     if (load > m.command_load) m.command_load = load, m.command_budget = index_;
     double saving = saving_;
     asked = ask(m, s, saving);
-    // Of what was spent too much before it a move makes up for no more than it needs itself.
+    // A move saves at most its own need, however much the moves before it exceeded the budget.
     room = std::max(room, -asked.commands);
     if (!fits(s, asked)) {
       m.vn2 = largest(m.vn2, [&](double v2) {

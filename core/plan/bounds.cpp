@@ -30,7 +30,7 @@ bool Bounds::apply(Move& m, const Rules& rules) const {
     if (j < 3) mm += delta[j] * delta[j];
   }
   if (longest < kNoDistance) return false;
-  // A tiny distance of X, Y, Z cannot measure the path of a much longer axis.
+  // If X, Y and Z move very little, their distance cannot measure the path of a much longer axis.
   double least = std::max(kNoDistance, kMinPathShare * longest);
   m.cartesian = mm > least * least;
   mm = m.cartesian ? std::sqrt(mm) : longest;
@@ -81,7 +81,7 @@ bool Bounds::apply(Move& m, const Rules& rules) const {
       for (int j = 0; j < 3; ++j) way += std::fabs(row.c[j] * delta[j]);
     }
     double lift = std::fabs(row.c[kZ]);
-    const double share = machine_.filters.share(row.c);  // of more speed, to take up a gap
+    const double share = machine_.filters.share(row.c);  // additional speed that takes up a gap
     const double part = std::fabs(way) * inverse;
     tighten(row, (std::fabs(way) + lift * bed.slope * m.d) * (1 + share), lift * bed.bend);
     if (share * part * v > row.jerk) v = row.jerk / (share * part), speed_id = kBacklash;

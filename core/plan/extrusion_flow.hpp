@@ -13,8 +13,8 @@ inline double owed_after(double owed, double mm) {
   return owed > kNone && owed <= kMaxRetracted ? owed : 0;
 }
 
-// Of one extruder. A retraction is given back by the same length even if the flow has changed: it
-// leaves neither a gap nor a blob.
+// For one extruder. A retraction is returned with the same length even if the flow has changed, so
+// it leaves neither a gap nor a blob.
 struct Filament {
   double flow = 1;   // mm that move for a mm that the program means
   double owed = 0;   // mm that the program has drawn back
@@ -26,7 +26,7 @@ struct Filament {
     double back = owed / scale;
     return delta <= back ? delta * scale : owed + (delta - back) * now;
   }
-  // It has moved by `mm`; a unit of the program's E is `now` mm.
+  // The filament has moved by `mm`; a unit of the program's E is `now` mm.
   void moved(double mm, double now) {
     double after = owed_after(owed, mm);
     if (mm < 0) scale = owed == 0 || scale == now ? now : (owed - mm) / (owed / scale - mm / now);
@@ -43,7 +43,7 @@ class FlowChange {
   double flow() const { return flow_; }
   // The new position of filament that was planned to be at `at` after the moves changed so far.
   double position(double at) const { return at == old_ ? new_ : at + (new_ - old_); }
-  // The mm to be given back there, `owed` before the change.
+  // The filament in mm that is still drawn back there; `owed` before the change.
   double owed(double owed) const { return begun_ && owed > 0 ? owed_ : owed; }
 
   // Changes a move of filament that was planned with `flow` (0: not a program's, its length stays)

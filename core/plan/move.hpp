@@ -19,15 +19,15 @@ struct Move : MoveOrigin {
   double v0, vc, v1, a, b;      // speeds at start, in cruise, at end; a, b > 0
   double d_acc, d_cru;          // lengths of the phases
   double start;                 // ticks since the start of the job
-  double t_acc, t_cru, t_dec;   // ticks
+  double t_acc, t_cru, t_dec;   // duration, ticks
   double vn2, vj2;              // caps of v²: within the move; at its start
-  double cruise_a;              // its highest speed is one that this acceleration reaches, too
-  double deviation;             // of its corners, mm
+  double cruise_a;              // its highest speed that this acceleration reaches
+  double deviation;             // junction deviation of its corners, mm
   double duty;                  // laser's fraction of full power: at 1 mm/s, or in a dwell
   double feed, duration, radius, fastest;  // as requested, kept for replanning
-  double from_faster;  // deceleration from beyond its nominal speed, after a replan; 0: never there
-  double flow, owed;   // of MoveRequest; `owed` at its start
-  double curved_steps;  // steps of the nonlinear actuators, at most
+  double from_faster;   // deceleration from above its nominal speed, after a replan; 0: none
+  double flow, owed;    // of MoveRequest; `owed` at its start
+  double curved_steps;  // maximum steps of the nonlinear actuators
   double curved_bends;  // of these at constant speed: sum of √(steps/s²), by speed, at most
   double tolerance;     // ticks by which steps may miss their ideal times; 0: the board's own
   double advance;       // pressure advance of its filament, s

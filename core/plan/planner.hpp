@@ -18,7 +18,7 @@ namespace passo {
 
 class Planner {
  public:
-  // Moves between two passes over the queue.
+  // Moves that arrive between two passes over the queue.
   static constexpr size_t kBatch = 256;
   // Moves in the queue at which the older half settles, for a stop at the end of the queue.
   static constexpr size_t kMaxQueued = 8192;
@@ -39,32 +39,32 @@ class Planner {
   // Settled moves that the caller has not taken yet; it clears the vector.
   std::vector<Move>& settled() { return settled_; }
   size_t queued() const { return queue_.size() - head_; }
-  // Minimum ticks of the queued moves: at their nominal speeds, without acceleration.
+  // Minimum duration of the queued moves in ticks: at nominal speed, without acceleration.
   double queued_ticks() const;
   double clock() const { return clock_; }    // end of the last settled move, ticks
   double speed2() const { return speed2_; }  // its end speed, squared
 
   const double* position() const { return position_; }  // end of the last move pushed
-  // Where the first queued move starts, or the next one will.
+  // Start of the first queued move, or of the next move.
   const double* next_start() const { return queued() > 0 ? queue_[head_].p0 : position_; }
   double extruder_position(size_t i) const { return extruder_[i]; }
-  // The machine has another geometry. Only while nothing is queued.
+  // Sets another geometry of the machine. Only while nothing is queued.
   void use_geometry() { budget_.use_geometry(); }
   // Sets where the next move starts, without motion. Only while nothing is queued.
   void set_position(const double* position, size_t extruder);
   // Shifts the start of the next move by `mm` along slot j. Only while nothing is queued.
   void move_end(int j, double mm) { position_[j] += mm; }
-  // The settled plan ends at rest.
+  // The settled plan ends at standstill.
   bool rests() const { return speed2_ == 0; }
-  // The machine rests until `ticks`. Only while the plan rests.
+  // The machine is at standstill until `ticks`. Only while the plan ends at standstill.
   void wait_until(double ticks);
 
   // Appends a move with `records` timed records due at its start. False if the move is dropped: it
   // covers no distance, or would take longer than kMaxMoveS, see too_slow().
   bool push(const MoveRequest& r, uint32_t records);
 
-  // If the last move pushed was too slow: its duration in seconds, and the limit that bound its
-  // speed. Else 0.
+  // If the last pushed move was too slow: its duration in seconds, and the limit that bounds its
+  // speed. Otherwise 0.
   double too_slow() const { return too_slow_; }
   LimitId slowed_by() const { return slowed_by_; }
 
@@ -84,10 +84,10 @@ class Planner {
   // Adds records to the start of the first queued move; false if there is none.
   bool attach(uint32_t records);
 
-  // Whether `allowed` holds for all queued moves.
+  // Returns whether `allowed` is true for all queued moves.
   bool all_queued(const std::function<bool(const Move&)>& allowed) const;
 
-  // Moves the queue to the end of `rest`.
+  // Shifts the queue so that it starts at the end of `rest`.
   void take_queue(std::vector<Move>& rest);
 
   // Shifts moves that take_queue has completed, and the start of the next move, see Shift.
@@ -96,7 +96,7 @@ class Planner {
   // The next move of this extruder starts where a change of its flow has put the filament.
   void place_filament(size_t extruder, const FlowChange& change);
 
-  // Drops the queue: the machine rests from `clock` on.
+  // Drops the queue: the machine is at standstill from `clock` on.
   void stand(double clock);
 
  private:

@@ -26,7 +26,8 @@ class PrintingSpans {
   }
   // A move of a later layer has arrived.
   bool over() const { return over_; }
-  // Ticks since the start of the job; moves of a tool without a rest in between are one span.
+  // Spans in ticks since the start of the job. Moves of a tool without a pause in between are one
+  // span.
   struct Span {
     double from, to;
     uint16_t tool;
