@@ -43,17 +43,17 @@ struct HeaterOptions {
   Arrival arrival;
   heat::Curve celsius;           // fraction of full scale → °C
   double low_share, high_share;  // beyond these the sensor is broken …
-  bool open_is_high;             // … open at one end, shorted at the other
+  bool open_is_high;             // true: open above high_share, shorted below low_share
   heat::Control control;
   heat::ProtectionLimits limits;
-  std::optional<heat::HeatModel> model;  // heat capacity of the body, if known
+  std::optional<heat::HeatModel> model;  // thermal model of the body, if known
   int32_t fan_target = -1;               // pin of the job that cools the body; -1: none
   double fan_full = 1;                   // that pin's value at full speed
   bool inverted = false;                 // the output is on when low
   heat::Converter converter = heat::Converter::none;  // the converter that sends the reports,
                                                       // if there is one
   uint32_t spi_oid = 0;                               // of the converter
-  Bytes clears_faults;  // clears a fault of the converter; null: no command
+  Bytes clears_faults;  // clears a fault of the converter; empty: no command
 };
 
 // The input and output of the loop for one report.
