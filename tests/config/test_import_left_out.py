@@ -337,4 +337,4 @@ def test_parts_that_macros_name_are_kept_for_them(load) -> None:
     }
     dropped = "\n".join(remarks(draft, "dropped"))
     assert "sx1509_duex:PIN_7 is a pin of sx1509_duex, which is not a board" in dropped
-    assert "of motors_sync macros read its settings and no state" in dropped
+    assert "macros read its settings and no state" in dropped

@@ -40,6 +40,7 @@ sensor_type: temperature_host
 [temperature_sensor mcu]
 sensor_type: temperature_mcu
 max_temp: 100
+gcode_id: MCU
 [temperature_sensor air]
 sensor_type: BME280
 i2c_bus: i2c1
@@ -79,6 +80,8 @@ def test_sensors_keep_kind_range_and_letter(made):
     assert (chamber.letter, chamber.on_fault) == ("C", "machine")
     assert [s.sensor.kind for s in (chamber, pi, mcu)] == ["thermistor", "host", "chip"]
     assert (pi.on_fault, mcu.on_fault, mcu.max_c) == ("report", "machine", 100.0)
+    assert mcu.letter is None
+    assert "[temperature_sensor mcu] gcode_id: M105" in "\n".join(remarks(made[0], "changed"))
 
 
 def test_sensor_that_passo_cannot_read_is_left_out_with_the_reason(made):

@@ -7,6 +7,7 @@ import pytest
 from passo import config
 from passo.config.exporting.settings import Sections, typed
 from passo.config.klipper_options import option_of
+from passo.config.klipper_options.left_out import sentences
 from passo.config.load import shipped_machines
 from passo.config.notes import notes
 from passo.errors import ConfigError
@@ -150,4 +151,11 @@ def test_parts_that_are_left_out_keep_their_settings_for_macros():
         "the value that SET_PIN has given it",
         "that there is filament",
         "its settings and no state",
+    ]
+
+
+def test_many_parts_of_one_kind_are_counted_in_a_note():
+    names = ["led_effect a", "led_effect b", "led_effect c", "motors_sync", "led_effect d"]
+    assert sentences(names) == [
+        "of 4 sections [led_effect …], motors_sync macros read its settings and no state"
     ]

@@ -3,7 +3,7 @@ the state that macros read."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from copy import deepcopy
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -89,4 +89,13 @@ def sentences(sections: Iterable[str]) -> list[str]:
     for section in sections:
         if part := stand_in(section):
             found.setdefault(part.says, []).append(section)
-    return [f"of {', '.join(names)} macros read {says}" for says, names in found.items()]
+    return [f"of {', '.join(_by_kind(names))} macros read {says}" for says, names in found.items()]
+
+
+def _by_kind(names: Iterable[str]) -> Iterator[str]:
+    """The names; more than three of one kind are counted."""
+    kinds: dict[str, list[str]] = {}
+    for name in names:
+        kinds.setdefault(kind_of(name), []).append(name)
+    for kind, same in kinds.items():
+        yield from same if len(same) <= 3 else [f"{len(same)} sections [{kind} …]"]

@@ -20,7 +20,7 @@ from passo.config.importing.klipper.outputs import put_outputs
 from passo.config.importing.klipper.pins import MAIN, Pins
 from passo.config.importing.klipper.settings import put_settings
 from passo.config.importing.table import Row, report
-from passo.config.klipper_options.left_out import sentences
+from passo.config.klipper_options.left_out import stand_in
 from passo.config.part_names import part_name
 from passo.errors import ConfigError
 
@@ -115,9 +115,8 @@ def _remark_on_the_rest(job: Import) -> None:
             continue
         if name not in job.used:
             row = others.get(section.kind, _NO_PART)
-            if name in job.kept:
-                [says] = sentences([name])
-                row = row.model_copy(update={"note": f"{row.note}; {says}"})
+            if name in job.kept and (part := stand_in(name)):
+                row = row.model_copy(update={"note": f"{row.note}; macros read {part.says}"})
             report(job.draft, row, section.place, f"[{name}]")
             continue
         for option, found in section.options.items():

@@ -110,7 +110,13 @@ def _put_shown(job: Import, section: Section, name: str) -> None:
     if (low is not None and low > _NO_LOW_C) or (high is not None and high < _NO_HIGH_C):
         put((*path, "on_fault"), "machine", section.at("min_temp"))
     letter = section.text("gcode_id").upper()
-    put((*path, "letter"), letter or None, section.at("gcode_id"))
+    if len(letter) == 1 and letter.isalpha():
+        put((*path, "letter"), letter, section.at("gcode_id"))
+    elif letter:
+        text = "M105 names a temperature by one letter, so it does not report this one"
+        job.draft.changed(
+            section.at("gcode_id") or section.place, f"[{section.name}] gcode_id", text
+        )
 
 
 def _leave_out(job: Import, section: Section) -> None:
