@@ -9,7 +9,7 @@ import pytest
 from tests.support.klipper_board import dictionary
 from tests.support.klipper_printer import machine
 
-from passo.board.description import Accelerometer, BoardDescription, I2cPins
+from passo.board.description import Accelerometer, BoardDescription, I2cPins, Input
 from passo.board.dictionary import Dictionary, DictionaryError
 from passo.board.words import check_words
 from passo.printer.setup.boards import board_description
@@ -35,6 +35,8 @@ COMMANDS = [
     "tmcuart_send",
     "spi_send",
     "spi_transfer",
+    "buttons_query",
+    "buttons_ack",
 ]
 REPORTS = [
     "config",
@@ -48,6 +50,7 @@ REPORTS = [
     "analog_in_state",
     "tmcuart_response",
     "spi_transfer_response",
+    "buttons_state",
 ]
 
 
@@ -58,7 +61,8 @@ def told(request: pytest.FixtureRequest) -> dict:
 
 @pytest.fixture
 def board(told: dict, tmp_path: Path) -> BoardDescription:
-    return board_description(machine(told, tmp_path))
+    described = board_description(machine(told, tmp_path))
+    return replace(described, inputs=(Input("filament-roll", "^PC13"),))
 
 
 def parsed(told: dict, commands: dict[str, int], reports: dict[str, int]) -> Dictionary:
@@ -107,7 +111,9 @@ def test_a_report_may_tell_more_and_a_command_must_not_ask_more(
 
 def test_messages_for_missing_parts_are_not_required(told: dict, board: BoardDescription) -> None:
     bare = replace(
-        board, steppers=(), sensors=(), outputs=(), endstops=(), heaters=(), drivers=(), settings=()
+        board,
+        **dict.fromkeys(("steppers", "sensors", "outputs", "endstops", "inputs"), ()),
+        **dict.fromkeys(("heaters", "drivers", "settings"), ()),
     )
     always = {"get_config", "get_uptime", "get_clock", "emergency_stop"}
     commands = {text: n for text, n in told["commands"].items() if text.split()[0] in always}
