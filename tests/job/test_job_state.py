@@ -50,12 +50,12 @@ class Walk:
             (card / name).write_text(text)
         self.s = Scenario("i3", card=str(card), state=str(folder / "state"))
         self.seen = set[tuple[JobState, JobState]]()
-        self.s.assembly.runner.watchers.append(lambda was, now: self.seen.add((was, now)))
+        self.s.assembly.jobs.runner.watchers.append(lambda was, now: self.seen.add((was, now)))
 
     def reach(self, lines, state):
         if lines:
             self.s.host.send(*lines.split("\n"))
-        runner = self.s.assembly.runner
+        runner = self.s.assembly.jobs.runner
         assert self.s.until(lambda: runner.state is state, 200), (lines, runner.state)
         self.s.passes(0.0 if state is B else 0.2 if state.active else 1.0)
 
@@ -103,4 +103,4 @@ def test_each_way_of_the_table_is_walked(tmp_path):
 def test_another_way_is_a_fault_of_the_program(tmp_path):
     walk = Walk(tmp_path)
     with walk.s, pytest.raises(RuntimeError, match="from NONE to PAUSED"):
-        walk.s.assembly.runner._enter(JobState.PAUSED)
+        walk.s.assembly.jobs.runner._enter(JobState.PAUSED)

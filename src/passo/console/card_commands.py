@@ -12,14 +12,12 @@ from passo.errors import CardError, CommandError, PassoError
 from passo.gcode.command import Command, pairs_of, unescaped
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.job.live.job_state import JobState
-from passo.job.live.library import Library
-from passo.job.live.runner import Runner
 from passo.printer.unfit_commands import ALL
 from passo.printer.wait_requests import Reply, Wait, WaitForMoves
+from passo.services.jobs import Jobs
 
 if TYPE_CHECKING:
-    from passo.printer.live_rig import LiveRig
-    from passo.printer.state import State
+    from passo.printer.control import Control
 
 
 _Action = Callable[["CardCommands", str, Reply], None]
@@ -45,8 +43,9 @@ def _guarded(action: _Action) -> Callable[[CardCommands, Command, Reply], None]:
 class CardCommands:
     """M20 to M36, M524, M928, and Klipper's commands for prints."""
 
-    def __init__(self, rig: LiveRig, state: State, runner: Runner, library: Library) -> None:
-        self._rig, self._state, self._runner, self._library = rig, state, runner, library
+    def __init__(self, control: Control, jobs: Jobs) -> None:
+        self._rig, self._state = control.rig, control.state
+        self._runner, self._files = jobs.runner, jobs.files
         self._directory = PurePosixPath("/")
 
     # -- the card ---------------------------------------------------------------------------------
@@ -61,8 +60,8 @@ class CardCommands:
     )
     @_guarded
     def _mount(self, _: str, reply: Reply) -> None:
-        if not (self._library.mounted and self._runner.engaged):
-            self._library.mount()
+        if not (self._files.mounted and self._runner.engaged):
+            self._files.mount()
             self._directory = PurePosixPath("/")
         reply.say("SD card ok")
 
@@ -77,7 +76,7 @@ class CardCommands:
     )
     @_guarded
     def _release(self, _: str, reply: Reply) -> None:
-        self._library.release()
+        self._files.release()
         self._directory = PurePosixPath("/")
         reply.say("SD card released")
 
@@ -93,10 +92,10 @@ class CardCommands:
         if not name:
             raise CommandError.of("card.no-name")
         try:
-            self._library.card.find(self._place(name))
+            self._files.card.find(self._place(name))
         except CardError:
             inner = unescaped(name[1:]) if name[:1] == "F" else ""
-            if not inner or not self._library.there(self._place(inner)):
+            if not inner or not self._files.there(self._place(inner)):
                 raise
             name = inner
         return self._place(name)
@@ -117,10 +116,10 @@ class CardCommands:
     def _list(self, text: str, reply: Reply) -> None:
         if text[:1].upper() == "D":
             directory = self._place(unescaped(text[1:]))
-            for entry in self._library.card.list(directory):
+            for entry in self._files.card.list(directory):
                 reply.say(f"{'d' if entry.is_directory else 'f'} {entry.name}")
             return
-        flags, programs = text.upper().split(), self._library.programs()
+        flags, programs = text.upper().split(), self._files.programs()
         reply.say("Begin file list")
         for directory, entry in programs:
             line = f"{directory}{entry.short_name} {entry.size}"
@@ -156,10 +155,10 @@ class CardCommands:
                 return False
             if letter != "D":
                 raise
-            self._library.card.list(self._place(rest))
+            self._files.card.list(self._place(rest))
             self._directory = self._directory / rest
             return False
-        self._library.open(path)
+        self._files.open(path)
         reply.say(f"File opened: {self._runner.name} Size: {self._runner.size}")
         reply.say("File selected")
         return True
@@ -261,7 +260,7 @@ class CardCommands:
         name = pairs_of(text).get("FILENAME", "")
         if not name:
             raise CommandError.of("card.no-name")
-        self._library.open(str(PurePosixPath("/") / name))
+        self._files.open(str(PurePosixPath("/") / name))
         reply.say(f"File opened: {self._runner.name} Size: {self._runner.size}")
         self._runner.start()
 
@@ -380,14 +379,14 @@ class CardCommands:
             raise CommandError.of("card.no-name")
         upload.name = self._new_name(name)
         path = self._place(upload.name)
-        upload.writer = self._library.create(path)
+        upload.writer = self._files.create(path)
         reply.upload = upload
         reply.say(f"Writing to file: {upload.name}")
 
     def _new_name(self, name: str) -> str:
         """The name for a new file, by the rule of `_existing`: that of a file that is there, else
         the text after a capital F."""
-        if name[:1] != "F" or len(name) == 1 or self._library.there(self._place(name)):
+        if name[:1] != "F" or len(name) == 1 or self._files.there(self._place(name)):
             return name
         return unescaped(name[1:])
 
@@ -426,7 +425,7 @@ class CardCommands:
             return
         try:
             path = self._existing(text)
-            self._library.remove(path)
+            self._files.remove(path)
         except CardError as error:
             reply.fail(f"Deletion failed, File: {_unquoted(text)}. {error}", error.problems)
             return
@@ -449,7 +448,7 @@ class CardCommands:
         path = PurePosixPath(self._existing(text))
         parts = ["/"]
         for part in path.parts[1:]:
-            parts.append(self._library.card.find(str(PurePosixPath(*parts, part))).name)
+            parts.append(self._files.card.find(str(PurePosixPath(*parts, part))).name)
         reply.say(str(PurePosixPath(*parts)))
 
     @command(
@@ -479,7 +478,7 @@ class CardCommands:
         path = self._existing(text) if text.strip() else self._runner.path
         if not path:
             raise CommandError.of("job.no-file")
-        entry = self._library.card.find(path)
+        entry = self._files.card.find(path)
         reply.say(
             f"File: {entry.name} Short: {entry.short_name} Size: {entry.size}"
             f" Modified: {entry.modified:%Y-%m-%d %H:%M:%S}"

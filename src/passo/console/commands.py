@@ -12,10 +12,8 @@ from passo.gcode.registry import Kind, Subject, When, command, table
 from passo.printer.commands.ranges import beyond
 from passo.printer.commands.reports import Reports
 from passo.printer.commands.temperature_report import TemperatureReport
-from passo.printer.live_rig import LiveRig
+from passo.printer.control import Control
 from passo.printer.program_restart import ProgramRestart
-from passo.printer.state import State
-from passo.printer.stops import Stops
 from passo.printer.wait_requests import Reply, Wait
 
 _PREFIXES = {"echo": "echo:", "error": "!!", "command": "//"}  # of RESPOND
@@ -27,15 +25,13 @@ class ConsoleCommands:
 
     def __init__(
         self,
-        rig: LiveRig,
-        state: State,
-        stops: Stops,
+        control: Control,
         reports: Reports,
         temperatures: TemperatureReport,
         restart: ProgramRestart | None,
     ) -> None:
         """`restart` restarts the program; None if it cannot restart."""
-        self._rig, self._state, self._stops = rig, state, stops
+        self._rig, self._state, self._stops = control.rig, control.state, control.stops
         self._reports, self._temperatures, self._program = reports, temperatures, restart
 
     @command(

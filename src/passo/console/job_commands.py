@@ -11,13 +11,11 @@ from passo.gcode.command import Command
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.job.live.job_state import JobState
 from passo.job.live.park import check_words
-from passo.job.live.progress import Progress
-from passo.job.live.runner import Runner
 from passo.job.live.statistics import spoken
 from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
+from passo.services.jobs import Jobs
 
 if TYPE_CHECKING:
-    from passo.job.live.host_pause import HostPause
     from passo.printer.control import Control
     from passo.printer.inputs.buttons import Buttons
 
@@ -25,18 +23,11 @@ if TYPE_CHECKING:
 class JobCommands:
     """M31, M73, M75 to M77, M530 to M532, M600 to M602 of one printer."""
 
-    def __init__(
-        self,
-        control: Control,
-        host_pause: HostPause,
-        runner: Runner,
-        progress: Progress,
-        buttons: Buttons,
-    ) -> None:
-        self._control, self._runner, self._progress = control, runner, progress
-        self._host_pause, self._buttons = host_pause, buttons
+    def __init__(self, control: Control, buttons: Buttons, jobs: Jobs) -> None:
+        self._control, self._runner, self._progress = control, jobs.runner, jobs.progress
+        self._host_pause, self._buttons = jobs.host_pause, buttons
         control.state.go_on_listeners.append(self._end_asking)
-        runner.watchers.append(self._job_changed)
+        jobs.runner.watchers.append(self._job_changed)
 
     def _job_changed(self, was: JobState, state: JobState) -> None:
         if state is JobState.PAUSED:

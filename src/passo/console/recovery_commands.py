@@ -13,14 +13,14 @@ from passo.job.live.runner import Runner
 from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
 
 if TYPE_CHECKING:
-    from passo.printer.unfit_commands import Skips
+    from passo.printer.control import Control
 
 
 class RecoveryCommands:
     """M1000 of one printer."""
 
-    def __init__(self, uuid: str, skips: Skips, runner: Runner, keeper: JournalKeeper) -> None:
-        self._uuid, self._skips, self._runner, self._keeper = uuid, skips, runner, keeper
+    def __init__(self, control: Control, runner: Runner, journal: JournalKeeper) -> None:
+        self._control, self._runner, self._keeper = control, runner, journal
 
     @command(
         "M1000",
@@ -39,7 +39,7 @@ class RecoveryCommands:
         if "C" in command.letters():
             self._keeper.forget()
             return None
-        if program.machine != self._uuid:
+        if program.machine != self._control.machine.uuid:
             raise CommandError.of("job.other-machine", program.path)
         return WaitForProcedure(lambda: self._resume(program, moment, reply))
 
@@ -47,4 +47,4 @@ class RecoveryCommands:
         await self._keeper.resume(program, moment)
         where = f"line {moment.line}" if moment.line else "its beginning"
         reply.say(f"echo:Printing {self._runner.name} from {where}")
-        self._runner.start(skips=self._skips.allowing(program.allow))
+        self._runner.start(skips=self._control.skips.allowing(program.allow))

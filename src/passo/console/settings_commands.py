@@ -16,8 +16,7 @@ from passo.printer.wait_requests import NullReply, Reply, Wait, WaitForMoves
 
 if TYPE_CHECKING:
     from passo.printer.control import Control
-    from passo.printer.settings import Settings
-    from passo.printer.setup.motion import Motion
+    from passo.printer.machine_parts import MachineParts
 
 _log = logging.getLogger(__name__)
 
@@ -52,15 +51,14 @@ class SettingsCommands:
     def __init__(
         self,
         control: Control,
-        motion: Motion,
-        settings: Settings,
+        parts: MachineParts,
         store: Store | None,
         options: OptionCommands,
     ) -> None:
         self._state, self._dispatch = control.state, control.dispatch
-        self._motion = motion
-        self._settings, self._store, self._options = settings, store, options
-        self._defaults = list(settings.lines())
+        self._motion, self._settings = parts.motion, parts.settings
+        self._store, self._options = store, options
+        self._defaults = list(self._settings.lines())
         self._file = {setting.key: setting.value for setting in settings_in(self._defaults)}
         self._compared: list[str] | None = None  # the settings for which `_unsaved` was computed
         self._unsaved: dict[str, dict[str, str]] = {}

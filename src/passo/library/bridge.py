@@ -25,7 +25,6 @@ from passo.web.bridge import BedState, PastPrint, SettingValue, SimulatedPart, S
 if TYPE_CHECKING:
     from passo.card import Card, Writer
     from passo.config.machine import MachineConfig
-    from passo.console.observer import Observer
     from passo.events import Event
     from passo.gcode.registry import Declaration
     from passo.job.batch.verdict import Verdict
@@ -35,6 +34,7 @@ if TYPE_CHECKING:
     from passo.printer.console_lines import ConsoleLine
     from passo.printer.status import PrinterState, Queue, QueuedPrint
     from passo.printer.unfit_commands import Skips
+    from passo.services.observer import Observer
     from passo.web.bridge import Hearer, Listener
 
 _T = TypeVar("_T")
@@ -54,7 +54,7 @@ class LiveBridge:
     ) -> None:
         """`places` are the open addresses; the list may grow later."""
         self._assembly, self._source, self._places = assembly, machine_source, places
-        self._printer = assembly.printer
+        self._printer, self._jobs = assembly.printer, assembly.jobs
         self._loop = asyncio.get_running_loop()
         self._scripts = Client(self._printer.control)
         self._overtaking = Client(self._printer.control)
@@ -293,62 +293,56 @@ class LiveBridge:
 
     async def select_file(self, path: str) -> None:
         """Like `Bridge.select_file`."""
-        await self._call(lambda: self._assembly.library.open(path))
+        await self._call(lambda: self._jobs.files.open(path))
 
     async def start_print(self, path: str, allow: Collection[str] = ()) -> None:
         """Like `Bridge.start_print`."""
-        skips = self.skips.allowing(allow)
-
-        def start() -> None:
-            self._assembly.library.open(path)
-            self._assembly.runner.start(skips=skips)
-
-        await self._call(start)
+        await self._call(lambda: self._jobs.start(path, allow))
 
     async def pause_print(self) -> None:
         """Like `Bridge.pause_print`."""
-        await self._call(self._assembly.runner.pause)
+        await self._call(self._jobs.runner.pause)
 
     async def resume_print(self) -> None:
         """Like `Bridge.resume_print`."""
-        await self._call(self._assembly.runner.start)
+        await self._call(self._jobs.runner.start)
 
     async def cancel_print(self) -> None:
         """Like `Bridge.cancel_print`."""
-        await self._call(self._assembly.runner.cancel)
+        await self._call(self._jobs.runner.cancel)
 
     async def cancel_object(self, number: int, *, cancelled: bool) -> None:
         """Like `Bridge.cancel_object`."""
-        await self._call(lambda: self._assembly.objects.cancel(number, cancelled=cancelled))
+        await self._call(lambda: self._jobs.objects.cancel(number, cancelled=cancelled))
 
     async def past_prints(self, most: int) -> list[PastPrint]:
         """Like `Bridge.past_prints`."""
-        rows = await self._call(lambda: self._assembly.statistics.last(most))
+        rows = await self._call(lambda: self._jobs.statistics.last(most))
         return [PastPrint(*row) for row in rows]
 
     async def queue(self) -> Queue:
         """Like `Bridge.queue`."""
-        return await self._call(self._assembly.queue.status)
+        return await self._call(self._jobs.queue.status)
 
     async def queue_print(self, path: str) -> QueuedPrint:
         """Like `Bridge.queue_print`."""
-        return await self._call(lambda: self._assembly.queue.add(path))
+        return await self._call(lambda: self._jobs.queue.add(path))
 
     async def unqueue_print(self, number: int) -> None:
         """Like `Bridge.unqueue_print`."""
-        await self._call(lambda: self._assembly.queue.remove(number))
+        await self._call(lambda: self._jobs.queue.remove(number))
 
     async def move_queued_print(self, number: int, place: int) -> None:
         """Like `Bridge.move_queued_print`."""
-        await self._call(lambda: self._assembly.queue.move(number, place))
+        await self._call(lambda: self._jobs.queue.move(number, place))
 
     async def set_queue_mode(self, *, automatic: bool) -> None:
         """Like `Bridge.set_queue_mode`."""
-        await self._call(lambda: self._assembly.queue.set_automatic(automatic))
+        await self._call(lambda: self._jobs.queue.set_automatic(automatic))
 
     async def start_queued_print(self) -> None:
         """Like `Bridge.start_queued_print`."""
-        await self._call(self._assembly.queue.start_next)
+        await self._call(self._jobs.queue.start_next)
 
     async def settings(self) -> list[SettingValue]:
         """Like `Bridge.settings`."""
@@ -380,19 +374,19 @@ class LiveBridge:
 
     async def card(self) -> Card:
         """Like `Bridge.card`."""
-        return await self._call(lambda: self._assembly.library.card)
+        return await self._call(lambda: self._jobs.files.card)
 
     async def create_file(self, path: str) -> Writer:
         """Like `Bridge.create_file`."""
-        return await self._call(lambda: self._assembly.library.create(path))
+        return await self._call(lambda: self._jobs.files.create(path))
 
     async def remove_file(self, path: str) -> None:
         """Like `Bridge.remove_file`."""
-        await self._call(lambda: self._assembly.library.remove(path))
+        await self._call(lambda: self._jobs.files.remove(path))
 
     async def rename(self, path: str, to: str) -> None:
         """Like `Bridge.rename`."""
-        await self._call(lambda: self._assembly.library.let_go(path))
+        await self._call(lambda: self._jobs.files.let_go(path))
         card = await self.card()
         await asyncio.to_thread(card.rename, path, to)  # which may copy a file
 

@@ -20,13 +20,13 @@ from passo.board.faults import HeaterFault
 from passo.card.local import local_uri
 from passo.clock import new_loop
 from passo.console.client import Client, Reply
-from passo.console.observer import Observer
 from passo.console.printer_console import welcome
 from passo.console.session import Session, Wire
 from passo.errors import CommandError, MachineError
 from passo.library.assembly import Assembly, assembled
 from passo.library.machine import Machine
 from passo.printer.unfit_commands import Skips
+from passo.services.observer import Observer
 from passo.version import __version__
 
 if TYPE_CHECKING:
@@ -186,9 +186,9 @@ class Printer:
         line, heaters keep their targets, so that `resume` can continue after the line.
         """
         self._raise_if_ended()
-        assembly, printer = self._opened, self._printer
-        runner = assembly.runner
-        assembly.library.open(local_uri(path))
+        jobs, printer = self._opened.jobs, self._printer
+        runner = jobs.runner
+        jobs.files.open(local_uri(path))
         before_mm = printer.suspension.filament_mm()
         over: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         begun = False
@@ -224,7 +224,7 @@ class Printer:
         return PrintSummary(
             os.fspath(path),
             "cancelled" if runner.ended == "cancelled" else "done",
-            assembly.progress.printed_s,
+            jobs.progress.printed_s,
             printer.suspension.filament_mm() - before_mm,
         )
 
@@ -443,12 +443,8 @@ class Printer:
     @property
     def _observer(self) -> Observer:
         if self._observed is None:
-            opened = self._opened
-            printer = opened.printer
-            self._observed = Observer(
-                *(printer.rig, printer.state, printer.lifetime),
-                *(opened.runner, opened.progress, printer.status),
-            )
+            printer = self._printer
+            self._observed = Observer(printer.control, self._opened.jobs, printer.status)
         return self._observed
 
     @property

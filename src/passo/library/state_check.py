@@ -32,9 +32,7 @@ async def _overrides(machine: MachineConfig, state: Path) -> list[str]:
     try:
         store = Store(state / "settings.json", machine.uuid)
         options = OptionCommands(printer.dispatch, printer.settings)
-        commands = SettingsCommands(
-            printer.control, printer.motion, printer.settings, store, options
-        )
+        commands = SettingsCommands(printer.control, printer.parts, store, options)
         return commands.name_stored()
     finally:
         printer.close()

@@ -12,7 +12,6 @@ from passo.printer.wait_requests import Stopped, without_effect
 
 if TYPE_CHECKING:
     from passo.printer.control import Control
-    from passo.printer.lifetime import Lifetime
     from passo.printer.state import State
 
 _log = logging.getLogger(__name__)
@@ -57,11 +56,11 @@ class BackgroundGcode:
     console, in the order of the calls; a halted printer runs none. Answers and failures go to all
     consoles. Create it within a running event loop."""
 
-    def __init__(self, control: Control, lifetime: Lifetime) -> None:
+    def __init__(self, control: Control) -> None:
         self._control = control
         self._reply = _ToAllConsoles(control.state)
         self._tasks: set[asyncio.Task[object]] = set()
-        lifetime.at_end(self._close)
+        control.lifetime.at_end(self._close)
 
     def start(self, name: str, text: str) -> None:
         """Runs the template `text`, which is at the key `name` of the machine file, as soon as the

@@ -13,9 +13,8 @@ from passo.gcode.registry import Kind, Subject, When, command
 from passo.printer.wait_requests import Reply
 
 if TYPE_CHECKING:
-    from passo.config.machine import MachineConfig
     from passo.printer.background_gcode import BackgroundGcode
-    from passo.printer.lifetime import Lifetime
+    from passo.printer.control import Control
 
 _MAX_S = 1e6
 
@@ -24,14 +23,12 @@ class DelayedGcode:
     """The delayed G-code of one printer, which `background` runs. Create it within a running event
     loop."""
 
-    def __init__(
-        self, machine: MachineConfig, background: BackgroundGcode, lifetime: Lifetime
-    ) -> None:
-        self._known, self._background = machine.delayed_gcode, background
+    def __init__(self, control: Control, background: BackgroundGcode) -> None:
+        self._known, self._background = control.machine.delayed_gcode, background
         self._due: dict[str, asyncio.TimerHandle] = {}
         for name, delayed in self._known.items():
             self._set(name, delayed.initial_duration_s)
-        lifetime.at_end(self._close)
+        control.lifetime.at_end(self._close)
 
     @command(
         "UPDATE_DELAYED_GCODE",

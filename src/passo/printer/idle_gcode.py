@@ -8,20 +8,17 @@ if TYPE_CHECKING:
     from passo.printer.background_gcode import BackgroundGcode
     from passo.printer.commands.motors import Motors
     from passo.printer.control import Control
-    from passo.printer.lifetime import Lifetime
 
 
 class IdleGcode:
     """Runs each entry with `when_idle` once when the heaters go off after an idle time, and again
     only after something else has moved or commanded the printer."""
 
-    def __init__(
-        self, control: Control, motors: Motors, background: BackgroundGcode, lifetime: Lifetime
-    ) -> None:
+    def __init__(self, control: Control, motors: Motors, background: BackgroundGcode) -> None:
         self._control, self._motors, self._background = control, motors, background
         self._idle_s = 0.0
         self._done = self._running = False
-        lifetime.as_time_passes(self._time_passed)
+        control.lifetime.as_time_passes(self._time_passed)
 
     def _time_passed(self) -> None:
         if self._running:

@@ -16,6 +16,7 @@ from passo.printer.control import Control
 from passo.printer.dispatch import Dispatch
 from passo.printer.lifetime import Lifetime
 from passo.printer.live_rig import LiveRig
+from passo.printer.machine_parts import MachineParts
 from passo.printer.motion_lock import MotionLock
 from passo.printer.print_objects import covered, objects_of
 from passo.printer.recovery.reconnect import Reconnection
@@ -134,12 +135,14 @@ class Printer:
             restart=self._restart,
         )
         self.control = Control(
-            *(machine, rig, state, outputs.targets, self.motion_lock, self.prompts, self.waits),
-            *(self.dispatch, stops, supervisor, skips),
+            *(machine, rig, state, self.lifetime, outputs.targets, self.motion_lock, self.prompts),
+            *(self.waits, self.dispatch, stops, supervisor, skips),
         )
-        self.status = StatusReader(
-            *(self.control, outputs, motion, heat, self.levelling, inputs, self.sensors)
+        self.parts = MachineParts(
+            *(outputs, motion, heat, self.levelling, inputs, self.sensors),
+            *(self.suspension, self.settings, self.lateness),
         )
+        self.status = StatusReader(self.control, self.parts)
 
     # -- start and restart ------------------------------------------------------------------------
 

@@ -26,12 +26,7 @@ if TYPE_CHECKING:
     from passo.board.connection import Connection
     from passo.printer.control import Control
     from passo.printer.live_rig import LiveRig
-    from passo.printer.setup.heat import Heat
-    from passo.printer.setup.inputs import InputParts
-    from passo.printer.setup.levelling import Levelling
-    from passo.printer.setup.motion import Motion
-    from passo.printer.setup.outputs import Outputs
-    from passo.printer.watch.sensors import SensorWatch
+    from passo.printer.machine_parts import MachineParts
 
 _SPEED_OVER_S = 0.02  # the current speed is the mean over this time
 
@@ -40,19 +35,14 @@ class StatusReader:
     """Reads the status of one printer, without asking a board and without letting time pass. The
     print, the queue and the stored settings add their fields: see `State.status_parts`."""
 
-    def __init__(
-        self,
-        control: Control,
-        outputs: Outputs,
-        motion: Motion,
-        heat: Heat,
-        levelling: Levelling,
-        inputs: InputParts,
-        sensors: SensorWatch,
-    ) -> None:
+    def __init__(self, control: Control, parts: MachineParts) -> None:
         self._control, self._rig, self._state = control, control.rig, control.state
-        self._outputs, self._heat, self._levelling = outputs, heat, levelling
-        self._offsets, self._inputs, self._sensors = motion.offsets, inputs, sensors
+        self._outputs, self._heat, self._levelling = parts.outputs, parts.heat, parts.levelling
+        self._offsets, self._inputs, self._sensors = (
+            parts.motion.offsets,
+            parts.inputs,
+            parts.sensors,
+        )
         self._letters = axis_order(self._rig.machine.axes)
         self._moves_since_s: float | None = None
 

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from passo.printer.background_gcode import BackgroundGcode
     from passo.printer.control import Control
     from passo.printer.inputs.filament_sensors import FilamentSensors, Sensor
-    from passo.printer.lifetime import Lifetime
 
 _log = logging.getLogger(__name__)
 
@@ -32,7 +31,6 @@ class FilamentRunout:
         runner: Runner,
         pause: PrintPause,
         background: BackgroundGcode,
-        lifetime: Lifetime,
     ) -> None:
         self._control, self._sensors = control, sensors
         self._runner, self._pause, self._background = runner, pause, background
@@ -44,7 +42,7 @@ class FilamentRunout:
         if sensors.sensors:
             sensors.insert_listeners.append(self._inserted)
             runner.watchers.append(self._job_changed)
-            lifetime.as_time_passes(self._time_passed)
+            control.lifetime.as_time_passes(self._time_passed)
 
     # -- when ---------------------------------------------------------------------------------
 

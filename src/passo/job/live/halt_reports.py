@@ -21,7 +21,7 @@ from passo.printer.watch.heater_history import HeaterHistory
 if TYPE_CHECKING:
     from passo.job.live.progress import Progress
     from passo.job.live.runner import Runner
-    from passo.printer.lifetime import Lifetime
+    from passo.printer.control import Control
     from passo.printer.live_rig import LiveRig
     from passo.printer.settings import Settings
     from passo.printer.state import State
@@ -66,24 +66,22 @@ class HaltReports:
 
     def __init__(
         self,
-        rig: LiveRig,
-        state: State,
-        lifetime: Lifetime,
+        control: Control,
         settings: Settings,
         runner: Runner,
         progress: Progress,
         stem: Path,
     ) -> None:
-        self._rig, self._state, self._settings = rig, state, settings
+        self._rig, self._state, self._settings = control.rig, control.state, settings
         self._runner, self._progress = runner, progress
         self._stem = stem
-        self._history = HeaterHistory(rig)
+        self._history = HeaterHistory(control.rig)
         self._loop = asyncio.get_running_loop()
         self._writing = asyncio.Lock()
         self._pending: dict[_Halt, asyncio.Task[None]] = {}
-        lifetime.as_time_passes(self._history.time_passed)
-        state.halt_listeners.append(self._halted)
-        lifetime.at_end(self._close)
+        control.lifetime.as_time_passes(self._history.time_passed)
+        control.state.halt_listeners.append(self._halted)
+        control.lifetime.at_end(self._close)
 
     def _halted(self, cause: PassoError) -> None:
         if cause.problems[0].code == "machine.restart":

@@ -14,8 +14,7 @@ from passo.printer.wait_requests import NullReply, Stopped, WaitForProcedure
 if TYPE_CHECKING:
     from passo.board.faults import HeaterFault
     from passo.printer.control import Control
-    from passo.printer.setup.heat import Heat
-    from passo.printer.suspension import Suspension
+    from passo.printer.machine_parts import MachineParts
 
 _log = logging.getLogger(__name__)
 
@@ -26,9 +25,9 @@ _SAME_PRINT_S = 60.0  # moves of a host's print come at least this often
 class HostPause:
     """Pauses the prints that hosts send to one printer; `Runner` pauses prints from the card."""
 
-    def __init__(self, control: Control, suspension: Suspension, heat: Heat) -> None:
-        self._control, self._suspension, self._heat = control, suspension, heat
-        self._park = Park(control, suspension, heat)
+    def __init__(self, control: Control, parts: MachineParts) -> None:
+        self._control, self._parts, self._suspension = control, parts, parts.suspension
+        self._park = Park(control, parts)
         self._stopped = False
         self._task: asyncio.Task[None] | None = None
         control.state.stop_listeners.append(self._stop)
@@ -70,7 +69,7 @@ class HostPause:
         """Like `stand_by`, during the pause of a file, which continues afterwards: the nozzle
         returns to its present position. If it cannot, `files`, the park of the file, restores the
         retracted filament later."""
-        park = Park(self._control, self._suspension, self._heat, here=True)
+        park = Park(self._control, self._parts, here=True)
         try:
             await self._leave_and_return(park, text, words, gone)
         except BaseException:

@@ -10,12 +10,11 @@ from passo.printer.status import EndedJob, FilesStatus, JobStatus, PrinterState,
 from passo.printer.status_reader import faults_of
 
 if TYPE_CHECKING:
-    from passo.job.live.library import Library
+    from passo.job.live.files import Files
     from passo.job.live.objects import PrintObjects
     from passo.job.live.progress import Progress
     from passo.job.live.runner import Runner
-    from passo.printer.live_rig import LiveRig
-    from passo.printer.state import State
+    from passo.printer.control import Control
 
 
 class JobStatusReader:
@@ -23,21 +22,20 @@ class JobStatusReader:
 
     def __init__(
         self,
-        rig: LiveRig,
-        state: State,
+        control: Control,
         runner: Runner,
         progress: Progress,
         objects: PrintObjects,
-        library: Library,
+        files: Files,
     ) -> None:
-        self._rig, self._runner, self._progress = rig, runner, progress
-        self._objects, self._library = objects, library
+        self._rig, self._runner, self._progress = control.rig, runner, progress
+        self._objects, self._files = objects, files
         self._ended: EndedJob | None = None
         runner.watchers.append(self._job_changed)
-        state.status_parts.append(self._add)
+        control.state.status_parts.append(self._add)
 
     def _add(self, status: Status) -> Status:
-        runner, library = self._runner, self._library
+        runner, files = self._runner, self._files
         state = status.state
         if state is not PrinterState.HALTED and runner.active:
             paused = runner.state is JobState.PAUSED
@@ -45,7 +43,7 @@ class JobStatusReader:
         return replace(
             status,
             state=state,
-            files=FilesStatus(library.mounted, runner.path, str(library.folder or "")),
+            files=FilesStatus(files.mounted, runner.path, str(files.folder or "")),
             progress=self._progress.share_done(),
             job=self._job_status() if runner.active else None,
             ended=self._ended if runner.ended else None,

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 from passo.errors import CardError, PassoError
 from passo.gcode.command import Command
+from passo.job.live.files import Files
 from passo.job.live.job_state import JobState
 from passo.job.live.journal import Change, Journal, Moment, Program
-from passo.job.live.library import Library
 from passo.job.live.objects import PrintObjects
 from passo.job.live.overrides import Overrides, Settings
 from passo.job.live.resume_after_power_loss import Recovery
@@ -22,11 +22,7 @@ from passo.printer.wait_requests import Stopped
 
 if TYPE_CHECKING:
     from passo.printer.control import Control
-    from passo.printer.lifetime import Lifetime
-    from passo.printer.settings import Settings as PrinterSettings
-    from passo.printer.setup.heat import Heat
-    from passo.printer.setup.motion import Motion
-    from passo.printer.setup.outputs import Outputs
+    from passo.printer.machine_parts import MachineParts
 
 _log = logging.getLogger(__name__)
 
@@ -44,22 +40,19 @@ class JournalKeeper:
     def __init__(
         self,
         control: Control,
-        lifetime: Lifetime,
-        outputs: Outputs,
-        motion: Motion,
-        heat: Heat,
-        settings: PrinterSettings,
+        parts: MachineParts,
         runner: Runner,
-        library: Library,
+        files: Files,
         objects: PrintObjects,
         directory: Path,
     ) -> None:
-        self._control, self._outputs, self._motion = control, outputs, motion
-        self._heat, self._printer_settings = heat, settings
-        self._runner, self._library = runner, library
+        self._control, self._parts, self._motion = control, parts, parts.motion
+        self._runner, self._files = runner, files
         self._journal = Journal(directory)
         self._overrides = Overrides(control, runner)
-        self._settings = Settings(control, settings, runner, self._follows, self._set_by_console)
+        self._settings = Settings(
+            control, parts.settings, runner, self._follows, self._set_by_console
+        )
         self._recorded = Moment(0, 0.0)
         self._seen_z_mm = 0.0
         self._settlings = 0
@@ -70,8 +63,8 @@ class JournalKeeper:
         runner.watchers.append(self._job_changed)
         control.state.greetings.append(self.offer)
         control.state.status_parts.append(lambda status: replace(status, interrupted=self._shown()))
-        lifetime.as_time_passes(self._time_passed)
-        lifetime.at_end(self._journal.leave)
+        control.lifetime.as_time_passes(self._time_passed)
+        control.lifetime.at_end(self._journal.leave)
 
     def offer(self) -> str:
         """The message about an interrupted print for a console that opens; empty if there is
@@ -157,7 +150,7 @@ class JournalKeeper:
             program = Program.of(control.machine.uuid, runner.path, reader)
             if self._program is None or self._program != program or runner.offset == 0:
                 self._program = replace(
-                    program.begun(self._control, self._printer_settings), allow=runner.skips.allowed
+                    program.begun(self._control, self._parts.settings), allow=runner.skips.allowed
                 )
             elif not followed:  # a line has failed before the first move
                 self._program.changes.append(self._settings.held())
@@ -305,17 +298,12 @@ class JournalKeeper:
         """Moves the machine to the position of the interruption, and starts the print there. Call
         it with the motion lock held. Raises CommandError, CardError, InputError, MachineError,
         Stopped."""
-        self._library.open(program.path)
+        self._files.open(program.path)
         reader = self._runner.reader
         assert reader is not None
         self._program = program
         try:
-            recovery = Recovery(
-                *(self._control, self._outputs, self._motion, self._heat, self._printer_settings),
-                program,
-                moment,
-                reader,
-            )
+            recovery = Recovery(self._control, self._parts, program, moment, reader)
             with self._runner.keep() as seek:
                 offset = await recovery.run()
                 seek(offset)

@@ -18,8 +18,7 @@ from passo.printer.wait_requests import NullReply, WaitForTemperatures
 
 if TYPE_CHECKING:
     from passo.printer.control import Control
-    from passo.printer.setup.heat import Heat
-    from passo.printer.suspension import Suspension
+    from passo.printer.machine_parts import MachineParts
 
 _log = logging.getLogger(__name__)
 
@@ -44,10 +43,9 @@ class Park:
     The nozzle returns to the stop position of the print or, with `here`, to its position at
     `leave`."""
 
-    def __init__(
-        self, control: Control, suspension: Suspension, heat: Heat, *, here: bool = False
-    ) -> None:
-        self._control, self._suspension, self._heat = control, suspension, heat
+    def __init__(self, control: Control, parts: MachineParts, *, here: bool = False) -> None:
+        self._control = control
+        self._suspension, self._heat = parts.suspension, parts.heat
         self._here = here
         self._left: list[float] | None = None  # the position at `leave`, with `here`
         self._away = False

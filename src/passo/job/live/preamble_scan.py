@@ -23,9 +23,7 @@ from passo.printer.wait_requests import Reply, Wait, WaitForHoming
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
     from passo.printer.control import Control
-    from passo.printer.settings import Settings
-    from passo.printer.setup.motion import Motion
-    from passo.printer.setup.outputs import Outputs
+    from passo.printer.machine_parts import MachineParts
 
 _CHUNK = 1 << 16
 # Settings of the printer that a plan does not have. They do not depend on the tool.
@@ -67,16 +65,14 @@ class PreambleScan:
     def __init__(
         self,
         control: Control,
-        outputs: Outputs,
-        motion: Motion,
-        settings: Settings,
+        parts: MachineParts,
         program: Program,
         reader: Reader,
         end: int,
         overrides: dict[str, tuple[int, float]],
     ) -> None:
-        self._control, self._outputs, self._motion = control, outputs, motion
-        self._settings, self._reader, self._end = settings, reader, end
+        self._control, self._outputs, self._motion = control, parts.outputs, parts.motion
+        self._settings, self._reader, self._end = parts.settings, reader, end
         machine = control.machine
         skips = control.skips.allowing(program.allow)
         self.job = job = _core.Job(machine.core_spec(), False, skips.clamp, skips.ignore_tools)

@@ -13,8 +13,8 @@ from passo.job.durable_files import load_json, store_json
 from passo.printer.status import Queue, QueuedPrint
 
 if TYPE_CHECKING:
+    from passo.job.live.files import Files
     from passo.job.live.job_state import JobState
-    from passo.job.live.library import Library
     from passo.job.live.runner import Runner
     from passo.printer.state import State
 
@@ -29,10 +29,8 @@ class PrintQueue:
     the change is durable. If it cannot be stored, they raise CommandError and leave the queue
     unchanged."""
 
-    def __init__(
-        self, state: State, runner: Runner, library: Library, directory: Path | None
-    ) -> None:
-        self._state, self._runner, self._library = state, runner, library
+    def __init__(self, state: State, runner: Runner, files: Files, directory: Path | None) -> None:
+        self._state, self._runner, self._files = state, runner, files
         self._path = None if directory is None else directory / "queue.json"
         self._entries: tuple[QueuedPrint, ...] = ()
         self._automatic = False
@@ -51,7 +49,7 @@ class PrintQueue:
 
     def add(self, path: str) -> QueuedPrint:
         """Adds a file of the card at the end. Raises CardError."""
-        if self._library.card.find(path).is_directory:
+        if self._files.card.find(path).is_directory:
             raise CardError.of("card.directory", path)
         if len(self._entries) >= MAX_QUEUED:
             raise CommandError.of("queue.full", limit=MAX_QUEUED)
@@ -81,7 +79,7 @@ class PrintQueue:
         before = self._entries
         if not before:
             raise CommandError.of("queue.empty")
-        self._library.open(before[0].path)
+        self._files.open(before[0].path)
         self._keep(before[1:], self._automatic)
         try:
             self._runner.start()

@@ -16,9 +16,8 @@ from passo.job.live.slicer_layers import SlicerLayers
 from passo.job.live.statistics import Print, Statistics
 
 if TYPE_CHECKING:
-    from passo.printer.lifetime import Lifetime
+    from passo.printer.control import Control
     from passo.printer.live_rig import LiveRig
-    from passo.printer.state import State
     from passo.printer.suspension import Suspension
 
 _log = logging.getLogger(__name__)
@@ -62,21 +61,19 @@ class Progress:
 
     def __init__(
         self,
-        rig: LiveRig,
-        state: State,
-        lifetime: Lifetime,
+        control: Control,
         suspension: Suspension,
         runner: Runner,
         statistics: Statistics,
         open_again: Callable[[str], CardReader],
     ) -> None:
-        self._rig, self._state, self._suspension = rig, state, suspension
+        self._rig, self._state, self._suspension = control.rig, control.state, suspension
         self._runner, self._statistics = runner, statistics
         self._open_again = open_again
         self._forecast: asyncio.Task[Forecast | None] | None = None
         self._planned_s = 0.0  # planned time before this print
-        self._watch = Stopwatch(rig)
-        self._extrusion = Stopwatch(rig)  # since the first extrusion of the print
+        self._watch = Stopwatch(control.rig)
+        self._extrusion = Stopwatch(control.rig)  # since the first extrusion of the print
         self._has_extruded = False
         self._from_card: Print | None = None
         self._loop = asyncio.get_running_loop()
@@ -88,9 +85,9 @@ class Progress:
         self.minutes_left: float | None = None
         self.slicer_layers = SlicerLayers()
         runner.watchers.append(self._job_changed)
-        state.stop_listeners.append(self._stopped)
-        lifetime.at_end(self._close)
-        lifetime.as_time_passes(self._time_passed)
+        control.state.stop_listeners.append(self._stopped)
+        control.lifetime.at_end(self._close)
+        control.lifetime.as_time_passes(self._time_passed)
 
     def _job_changed(self, was: JobState, state: JobState) -> None:
         if state.prints:

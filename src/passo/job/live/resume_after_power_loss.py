@@ -19,10 +19,7 @@ from passo.printer.wait_requests import NullReply, WaitForTemperatures
 
 if TYPE_CHECKING:
     from passo.printer.control import Control
-    from passo.printer.settings import Settings
-    from passo.printer.setup.heat import Heat
-    from passo.printer.setup.motion import Motion
-    from passo.printer.setup.outputs import Outputs
+    from passo.printer.machine_parts import MachineParts
 
 
 class Recovery:
@@ -32,16 +29,13 @@ class Recovery:
     def __init__(
         self,
         control: Control,
-        outputs: Outputs,
-        motion: Motion,
-        heat: Heat,
-        settings: Settings,
+        parts: MachineParts,
         program: Program,
         moment: Moment,
         reader: Reader,
     ) -> None:
-        self._control, self._outputs, self._motion = control, outputs, motion
-        self._heat, self._settings, self._program = heat, settings, program
+        self._control, self._parts, self._motion = control, parts, parts.motion
+        self._heat, self._program = parts.heat, program
         self._moment, self._reader = moment, reader
         if Program.of(program.machine, program.path, reader) != program:
             raise CommandError.of("job.other-file", program.path)
@@ -68,9 +62,7 @@ class Recovery:
             return 0
         offset = offset_of_line(self._reader, self._moment.line)
         past = PreambleScan(
-            *(control, self._outputs, self._motion, self._settings, self._program),
-            self._reader,
-            offset,
+            *(control, self._parts, self._program, self._reader, offset),
             self._moment.overrides,
         )
         state = past.job

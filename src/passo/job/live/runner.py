@@ -36,10 +36,7 @@ from passo.printer.wait_requests import (
 
 if TYPE_CHECKING:
     from passo.printer.control import Control
-    from passo.printer.setup.heat import Heat
-    from passo.printer.setup.motion import Motion
-    from passo.printer.setup.outputs import Outputs
-    from passo.printer.suspension import Suspension
+    from passo.printer.machine_parts import MachineParts
 
 _log = logging.getLogger(__name__)
 
@@ -54,18 +51,9 @@ class Runner:
     """Prints one file at a time; all consoles stay usable. Use it within the event loop of the
     printer. `reply` receives the answers to commands of the file."""
 
-    def __init__(
-        self,
-        control: Control,
-        outputs: Outputs,
-        motion: Motion,
-        heat: Heat,
-        suspension: Suspension,
-        reply: Reply,
-    ) -> None:
-        self._control, self._outputs, self._motion = control, outputs, motion
-        self._suspension, self._reply = suspension, reply
-        self.park = Park(control, suspension, heat)
+    def __init__(self, control: Control, parts: MachineParts, reply: Reply) -> None:
+        self._control, self._parts, self._reply = control, parts, reply
+        self.park = Park(control, parts)
         self._cooling = Cooling(control)
         self.loops = Loops()
         self._park_words: Mapping[str, float] = {}
@@ -289,7 +277,7 @@ class Runner:
             self._enter(JobState.PAUSED)
             self._resumed.clear()
             # Homing is not interrupted, because its moves are not those of the program.
-            if not self._motion.homer.active:
+            if not self._parts.motion.homer.active:
                 self._suspend(hand_over_macro=by_file)
                 self._macro_left = by_file
 
@@ -303,7 +291,7 @@ class Runner:
             self._locked = set(self._control.rig.job.locked_axes)
             if self._control.dispatch.in_console_line:
                 self._control.rig.job.abandon()  # the suspended rest does not belong to the print
-            self._suspension.suspend(hand_over_macro=hand_over_macro)
+            self._parts.suspension.suspend(hand_over_macro=hand_over_macro)
 
     def _require_places(self) -> None:
         """Raises CommandError if an axis that was homed when the pause began is not homed any
@@ -451,7 +439,7 @@ class Runner:
         control = self._control
         if not self.active:
             return  # cancelled
-        self._outputs.laser.off()
+        self._parts.outputs.laser.off()
         self.ended = "failed" if self._failed else "done"
         if self._skips.clamp:
             for warning in control.rig.commands.clamped(self.name):
@@ -535,7 +523,7 @@ class Runner:
             return False
         self._suspended = False
         self._enter(JobState.PRINTING)
-        self._suspension.resume()
+        self._parts.suspension.resume()
         return True
 
     async def _answer(self, found: _core.JobStatus) -> bool:
@@ -642,7 +630,7 @@ class Runner:
         """Waits until the last moves are done, and then switches the laser off. A pause during
         these moves still takes effect."""
         queue = self._control.rig.queue
-        self._outputs.laser.off()
+        self._parts.outputs.laser.off()
         queue.flush()
         await queue.until(
             lambda: (

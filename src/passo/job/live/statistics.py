@@ -17,11 +17,8 @@ from passo.job.live.history import History, PrintRow
 from passo.printer.wait_requests import Reply, Wait
 
 if TYPE_CHECKING:
-    from passo.printer.lifetime import Lifetime
-    from passo.printer.live_rig import LiveRig
-    from passo.printer.state import State
-    from passo.printer.suspension import Suspension
-    from passo.printer.watch.late_commands import LateCommandWatch
+    from passo.printer.control import Control
+    from passo.printer.machine_parts import MachineParts
 
 _log = logging.getLogger(__name__)
 
@@ -52,21 +49,13 @@ class Print:
 class Statistics:
     """Keeps the history of one printer in `directory`; None keeps nothing."""
 
-    def __init__(
-        self,
-        rig: LiveRig,
-        state: State,
-        lifetime: Lifetime,
-        suspension: Suspension,
-        lateness: LateCommandWatch,
-        directory: Path | None,
-    ) -> None:
-        self._rig, self._state, self._suspension = rig, state, suspension
-        self._lateness = lateness
+    def __init__(self, control: Control, parts: MachineParts, directory: Path | None) -> None:
+        self._rig, self._state = control.rig, control.state
+        self._suspension, self._lateness = parts.suspension, parts.lateness
         self._history: History | None = None
         self._missing = CommandError.of("settings.nowhere")
         self._on_s = self._stored_s = 0.0
-        self._seen_s = self._noted_s = rig.queue.now_s
+        self._seen_s = self._noted_s = control.rig.queue.now_s
         self._job: Print | None = None  # the current print
         if directory is None:
             return
@@ -77,7 +66,7 @@ class Statistics:
             text = f"No history of prints: {error}"
             self._state.announce(_log, logging.WARNING, text)
             return
-        lifetime.as_time_passes(self._time_passed)
+        control.lifetime.as_time_passes(self._time_passed)
 
     def begun(
         self, name: str, seconds: Callable[[], float], size: int = 0, instead: Print | None = None

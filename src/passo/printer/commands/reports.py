@@ -16,9 +16,7 @@ from passo.version import __version__
 if TYPE_CHECKING:
     from passo.printer.commands.drivers import DriverCommands
     from passo.printer.control import Control
-    from passo.printer.inputs.filament_sensors import FilamentSensors
-    from passo.printer.setup.motion import Motion
-    from passo.printer.watch.late_commands import LateCommandWatch
+    from passo.printer.machine_parts import MachineParts
 
 _SWITCHES = "XYZIJKPD", "homing"  # values of M123 and M124
 CAPABILITIES = {
@@ -42,16 +40,18 @@ class Reports:
     def __init__(
         self,
         control: Control,
-        motion: Motion,
+        parts: MachineParts,
         drivers: DriverCommands,
-        lateness: LateCommandWatch,
-        filament: FilamentSensors,
         *,
         card: bool = False,
         settings: bool = False,
     ) -> None:
-        self._control, self._rig, self._motion = control, control.rig, motion
-        self._drivers, self._lateness, self._filament = drivers, lateness, filament
+        self._control, self._rig, self._motion = control, control.rig, parts.motion
+        self._drivers, self._lateness, self._filament = (
+            drivers,
+            parts.lateness,
+            parts.inputs.filament,
+        )
         self._card, self._settings = card, settings
         self._letters = [name.upper() for name in axis_order(control.machine.axes)]
 

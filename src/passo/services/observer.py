@@ -23,13 +23,10 @@ from passo.events import (
 from passo.job.live.job_state import JobState
 
 if TYPE_CHECKING:
-    from passo.job.live.progress import Progress
-    from passo.job.live.runner import Runner
-    from passo.printer.lifetime import Lifetime
-    from passo.printer.live_rig import LiveRig
-    from passo.printer.state import State
+    from passo.printer.control import Control
     from passo.printer.status import Status
     from passo.printer.status_reader import StatusReader
+    from passo.services.jobs import Jobs
 
 LOOK_S = 0.25  # host time, and print time, between two checks
 _CHANGE_C = 1.0
@@ -53,15 +50,12 @@ class Observer:
 
     def __init__(
         self,
-        rig: LiveRig,
-        state: State,
-        lifetime: Lifetime,
-        runner: Runner,
-        progress: Progress,
+        control: Control,
+        jobs: Jobs,
         status: StatusReader,
     ) -> None:
-        self._rig, self._state, self._runner = rig, state, runner
-        self._progress, self._status = progress, status
+        self._rig, self._state = control.rig, control.state
+        self._runner, self._progress, self._status = jobs.runner, jobs.progress, status
         self._loop = asyncio.get_running_loop()
         self._listeners: list[_Listener] = []
         self._event_listeners: list[Callable[[Event], object]] = []
@@ -70,10 +64,10 @@ class Observer:
         self._layer = self._last.job.layer if self._last.job else 0
         self._host_s = self._print_s = 0.0  # times of the next check
         self._beat = self._loop.call_later(LOOK_S, self._on_beat)
-        lifetime.as_time_passes(self._time_passed)
-        state.listeners.append(self._on_message)
-        rig.macros.remote_listeners.append(self._on_remote_call)
-        runner.watchers.append(self._job_changed)
+        control.lifetime.as_time_passes(self._time_passed)
+        control.state.listeners.append(self._on_message)
+        control.rig.macros.remote_listeners.append(self._on_remote_call)
+        jobs.runner.watchers.append(self._job_changed)
 
     def on_status(self, call: Callable[[Status], object], every_s: float) -> Callable[[], None]:
         """Calls `call` with the status now, and then at intervals of at least `every_s` seconds of

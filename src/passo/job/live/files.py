@@ -16,8 +16,7 @@ from passo.gcode.program_files import is_program
 from passo.job.live.runner import Runner
 
 if TYPE_CHECKING:
-    from passo.printer.lifetime import Lifetime
-    from passo.printer.state import State
+    from passo.printer.control import Control
 
 _log = logging.getLogger(__name__)
 
@@ -25,18 +24,18 @@ AUTOSTART = "auto0.g"
 _DEEPEST = 8  # maximum depth of directories in a list
 
 
-class Library:
+class Files:
     """The card of one printer, and the selected file. `path` is the path of the card, or None
     without one; `folder` is the same if the card is a folder. Paths of files are absolute on the
     card, or `file:///…` on this computer."""
 
-    def __init__(self, state: State, lifetime: Lifetime, runner: Runner, path: str | None) -> None:
-        self._state, self._runner, self._path = state, runner, path
+    def __init__(self, control: Control, runner: Runner, path: str | None) -> None:
+        self._state, self._runner, self._path = control.state, runner, path
         self.folder = None if path is None or not Path(path).is_dir() else Path(path).resolve()
         self._card: Card | None = None
         self._released = False
         self._selected: Entry | None = None
-        lifetime.at_end(self._leave)
+        control.lifetime.at_end(self._leave)
 
     # -- the card ---------------------------------------------------------------------------------
 

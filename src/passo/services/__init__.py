@@ -1,0 +1,1 @@
+"""What consoles, the web and programs use of a printer."""
