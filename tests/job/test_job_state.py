@@ -1,9 +1,9 @@
-"""Each transition of a print's state, by the commands of a host, and no other one."""
+"""Each transition of a print and of its pause, by the commands of a host, and no other one."""
 
 import pytest
 from tests.support.scenario import Scenario
 
-from passo.job.live.job_state import TRANSITIONS, JobState
+from passo.job.live.job_state import PAUSES, TRANSITIONS, JobState
 
 LINE = "G91\n" + "G1 X1 F600\nG1 X-1\n" * 40
 FILES = {
@@ -37,6 +37,10 @@ WALKS = {
     "fail-and-go-on": (("G28\nM23 wrong.g\nM24", F), ("M24", R)),
     "fail-and-give-up": (("G28\nM23 wrong.g\nM24", F), ("M524", R)),
     "fail-and-release": (("G28\nM23 wrong.g\nM24", F), ("M22", N)),
+    "cancel-and-start": (("G28\nM23 a.g\nM24", P), ("M524\nM24", P)),
+    "stop-and-start": (("G28\nM23 a.g\nM24", P), ("M410\nM24", P)),
+    "start-and-release": (("G28\nM23 a.g\nM24", P), ("M524\nM24\nM22", N)),
+    "start-and-select": (("G28\nM23 a.g\nM24", P), ("M524\nM24\nM23 b.g", R)),
 }
 
 
@@ -49,8 +53,10 @@ class Walk:
         for name, text in FILES.items():
             (card / name).write_text(text)
         self.s = Scenario("i3", card=str(card), state=str(folder / "state"))
-        self.seen = set[tuple[JobState, JobState]]()
-        self.s.assembly.jobs.runner.watchers.append(lambda was, now: self.seen.add((was, now)))
+        self.seen = set()
+        runner = self.s.assembly.jobs.runner
+        for watchers in (runner.watchers, runner._pause.states.watchers):
+            watchers.append(lambda was, now: self.seen.add((was, now)))
 
     def reach(self, lines, state):
         if lines:
@@ -70,7 +76,7 @@ def walked(folder, steps):
 
 
 def approached(folder):
-    """A print that a halt has interrupted is resumed: M1000."""
+    """A print that a halt has interrupted is resumed, and pauses as soon as it can: M1000, M25."""
     folder.mkdir()
     walk = Walk(folder)
     with walk.s:
@@ -80,6 +86,8 @@ def approached(folder):
         walk.s.passes(1)
         walk.s.host.ok("M999")
         walk.s.host.send("M1000")
+        walk.s.passes(0.5)
+        walk.s.host.send("M25")
         walk.s.passes(60)
     return walk.seen
 
@@ -88,19 +96,19 @@ def approached(folder):
 def test_a_walk_takes_ways_of_the_table(tmp_path, name):
     seen = walked(tmp_path / name, WALKS[name])
     assert seen
-    assert all(now in TRANSITIONS[was] for was, now in seen)
+    assert all(now in (TRANSITIONS | PAUSES)[was] for was, now in seen)
 
 
 def test_each_way_of_the_table_is_walked(tmp_path):
-    seen = set[tuple[JobState, JobState]]()
+    seen = set()
     for name, steps in WALKS.items():
         seen |= walked(tmp_path / name, steps)
     seen |= approached(tmp_path / "resumed")
-    table = {(was, now) for was, ways in TRANSITIONS.items() for now in ways}
+    table = {(was, now) for was, ways in (TRANSITIONS | PAUSES).items() for now in ways}
     assert seen == table
 
 
 def test_another_way_is_a_fault_of_the_program(tmp_path):
     walk = Walk(tmp_path)
     with walk.s, pytest.raises(RuntimeError, match="from NONE to PAUSED"):
-        walk.s.assembly.jobs.runner._enter(JobState.PAUSED)
+        walk.s.assembly.jobs.runner._states.enter(JobState.PAUSED)

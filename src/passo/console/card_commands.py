@@ -290,7 +290,7 @@ class CardCommands:
     )
     @_guarded
     def _desist(self, _: str, __: Reply) -> None:
-        self._runner.loops.desist()
+        self._runner.file.loops.desist()
 
     @command(
         "M26",

@@ -87,7 +87,7 @@ class Files:
         if self.there(runner.path) and before is not None:
             now = self.card.find(runner.path)
             if (now.size, now.modified) == (before.size, before.modified):
-                runner.exchange(self.card.open(runner.path))
+                runner.file.exchange(self.card.open(runner.path))
                 return
         text = f"{runner.name} was changed on the card or removed; its print is cancelled"
         self._state.announce(_log, logging.WARNING, text)

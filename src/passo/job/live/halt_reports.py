@@ -101,7 +101,7 @@ class HaltReports:
             runner.state.name.lower(),
             runner.name,
             rig.job.history.line_at(rig.queue.passed) if runner.active else 0,
-            runner.offset if runner.reader else 0,
+            runner.offset if runner.file.reader else 0,
             runner.size,
             self._progress.printed_s,
         )

@@ -128,8 +128,8 @@ class JournalKeeper:
 
     def _begin(self) -> None:
         """Starts the journal, before the first line of a print is read."""
-        reader = self._runner.reader
-        if reader is None or self._runner.loops.used:
+        reader = self._runner.file.reader
+        if reader is None or self._runner.file.loops.used:
             return
         followed = self._journal.open or self._interrupted is not None
         self._interrupted = None
@@ -141,7 +141,7 @@ class JournalKeeper:
         # A print that has stopped at a failed line continues after the line.
         line = (
             self._control.rig.job.history.line_at(self._control.rig.queue.passed)
-            or self._runner.first_line
+            or self._runner.file.first_line
         )
         self._recorded = self._moment(line, self._seen_z_mm)
         read = reader.tell()  # more bytes are read than planned
@@ -173,7 +173,7 @@ class JournalKeeper:
             return
         if waits is not None:
             self._keep_z(*waits)
-        elif self._runner.loops.used:
+        elif self._runner.file.loops.used:
             self._end()
             self._warn("This print cannot be resumed after a power cut: it repeats its lines")
         else:
@@ -270,11 +270,11 @@ class JournalKeeper:
 
     def _z(self) -> float:
         job = self._control.rig.job
-        return (job.history.position_at(self._control.rig.queue.passed) or job.machine_position)[2]
+        return (job.position_at(self._control.rig.queue.passed) or job.machine_position)[2]
 
     def _moment(self, line: int, z_mm: float) -> Moment:
         control = self._control
-        babysteps_mm = self._motion.offsets.of_program_mm(suspended=control.rig.job.stops.suspended)
+        babysteps_mm = self._motion.offsets.of_program_mm(suspended=control.rig.job.suspended)
         return Moment(
             line if line > 1 else 0,
             round(control.rig.queue.passed / control.rig.queue.hz, 3),
@@ -299,7 +299,7 @@ class JournalKeeper:
         it with the motion lock held. Raises CommandError, CardError, InputError, MachineError,
         Stopped."""
         self._files.open(program.path)
-        reader = self._runner.reader
+        reader = self._runner.file.reader
         assert reader is not None
         self._program = program
         try:
