@@ -1,7 +1,7 @@
 """Each transition of a print and of its pause, by the commands of a host, and no other one."""
 
 import pytest
-from tests.support.scenario import Scenario
+from tests.support.scenario import Host, Scenario
 
 from passo.job.live.job_state import PAUSES, TRANSITIONS, JobState
 
@@ -87,7 +87,7 @@ def approached(folder):
         walk.s.host.ok("M999")
         walk.s.host.send("M1000")
         walk.s.passes(0.5)
-        walk.s.host.send("M25")
+        assert "will pause once" in Host(walk.s).ok("M25")[0]
         walk.s.passes(60)
     return walk.seen
 
