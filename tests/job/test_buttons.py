@@ -17,7 +17,7 @@ def test_open_door_pauses_the_print(tmp_path):
         s.passes(4)
         s.host.ok("SIMULATE_FAULT NAME=button-door VALUE=pressed")
         s.host.expect("prompt_begin Button door has paused the print.*M24", 1)
-        assert s.assembly.jobs.runner.state is JobState.PAUSED
+        assert s.assembly.services.jobs.runner.state is JobState.PAUSED
         assert s.printer.status.read().buttons == {"door": True}
         s.host.ok("SIMULATE_FAULT NAME=button-door VALUE=none")
         s.host.ok("M24")
@@ -34,7 +34,7 @@ def test_button_acts_on_the_print(tmp_path, action, state):
         s.passes(4)
         s.board.force_input("button-door", True)
         s.passes(1)
-        assert s.assembly.jobs.runner.state is state
+        assert s.assembly.services.jobs.runner.state is state
 
 
 def test_button_resumes_a_paused_print(tmp_path):

@@ -68,7 +68,7 @@ def test_no_line_and_no_step_is_lost_wherever_it_ends(tmp_path, lines, at_s):
         s.board.force_input(INPUT, False)
         s.host.expect(ENDED, 1)
         s.passes(20)
-        assert s.assembly.jobs.runner.state is JobState.PAUSED
+        assert s.assembly.services.jobs.runner.state is JobState.PAUSED
         s.board.force_input(INPUT, True)
         s.host.ok("M24")
         assert ends_at(s) == expected
@@ -98,7 +98,7 @@ def test_loss_during_a_pause_asks_when_the_print_resumes(tmp_path):
         s.host.silent(5, ENDED)
         s.host.ok("M24")
         s.host.expect(ENDED, 10)
-        assert s.assembly.jobs.runner.state is JobState.PAUSED
+        assert s.assembly.services.jobs.runner.state is JobState.PAUSED
 
 
 def test_flickering_switch_pauses_at_most_once_and_loses_nothing(tmp_path):
@@ -188,7 +188,7 @@ def test_runout_without_a_pause_runs_its_gcode(tmp_path):
         s.passes(4)
         s.board.force_input(INPUT, False)
         s.host.expect("^False$", 2)
-        assert s.assembly.jobs.runner.state is JobState.PRINTING
+        assert s.assembly.services.jobs.runner.state is JobState.PRINTING
         assert ends_at(s)["e"] == pytest.approx(2.0, abs=0.01)
 
 

@@ -54,14 +54,14 @@ class Walk:
             (card / name).write_text(text)
         self.s = Scenario("i3", card=str(card), state=str(folder / "state"))
         self.seen = set()
-        runner = self.s.assembly.jobs.runner
+        runner = self.s.assembly.services.jobs.runner
         for watchers in (runner.watchers, runner._pause.states.watchers):
             watchers.append(lambda was, now: self.seen.add((was, now)))
 
     def reach(self, lines, state):
         if lines:
             self.s.host.send(*lines.split("\n"))
-        runner = self.s.assembly.jobs.runner
+        runner = self.s.assembly.services.jobs.runner
         assert self.s.until(lambda: runner.state is state, 200), (lines, runner.state)
         self.s.passes(0.0 if state is B else 0.2 if state.active else 1.0)
 
@@ -111,4 +111,4 @@ def test_each_way_of_the_table_is_walked(tmp_path):
 def test_another_way_is_a_fault_of_the_program(tmp_path):
     walk = Walk(tmp_path)
     with walk.s, pytest.raises(RuntimeError, match="from NONE to PAUSED"):
-        walk.s.assembly.jobs.runner._states.enter(JobState.PAUSED)
+        walk.s.assembly.services.jobs.runner._states.enter(JobState.PAUSED)

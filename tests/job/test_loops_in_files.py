@@ -51,7 +51,7 @@ def test_endless_loop_ends_after_its_round(tmp_path):
     with Scenario(I3, card=str(tmp_path)) as s:
         s.host.ok("M32 a.g")
         s.passes(60)
-        assert s.assembly.jobs.runner.active
+        assert s.assembly.services.jobs.runner.active
         assert s.positions()["y"] == 0
         s.host.ok("SDCARD_LOOP_DESIST")
         s.host.expect("Done printing file", 30)

@@ -34,7 +34,7 @@ def at(s):
 
 def pauses(s):
     """A pause is reached, the machine stands."""
-    assert s.until(lambda: s.assembly.jobs.runner.state.name == "PAUSED", 200)
+    assert s.until(lambda: s.assembly.services.jobs.runner.state.name == "PAUSED", 200)
     s.passes(20)
 
 

@@ -24,7 +24,7 @@ def printed(s, name, *, within=120):
     """The lines that a print of this file has told."""
     start = len(s.host.heard)
     s.host.ok(f"M32 {name}")
-    assert s.until(lambda: not s.assembly.jobs.runner.active, within)
+    assert s.until(lambda: not s.assembly.services.jobs.runner.active, within)
     return s.host.heard[start:]
 
 

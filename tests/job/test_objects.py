@@ -50,7 +50,7 @@ class Laid:
         at = s.positions()
         place = round(at["z"]), round(at["x"])
         printing = place[1] in PLACES.values() and abs(at["z"] - place[0]) < 0.01
-        laying = printing and 12 < at["y"] < 28 and s.assembly.jobs.runner.active
+        laying = printing and 12 < at["y"] < 28 and s.assembly.services.jobs.runner.active
         laying = laying and not s.printer.rig.job.stops.suspended
         if laying and (not self.lines or self.lines[-1] != place):
             self.lines.append(place)
@@ -124,7 +124,7 @@ def test_each_way_to_cancel_one_and_to_take_it_back(places, order, number):
         started(s)
         s.host.send_bytes(order.encode() + b"\n")
         s.host.expect(f"^echo:Object {number} .*is cancelled; moves up to line", 1)
-        objects = s.assembly.jobs.objects
+        objects = s.assembly.services.jobs.objects
         assert [one.cancelled for one in objects.all] == [i == number for i in range(3)]
         back = f"M486 U{number}" if order[0] == "M" else "EXCLUDE_OBJECT RESET=1"
         assert s.host.ok(back)[0].startswith(f"echo:Object {number} ")
@@ -185,7 +185,7 @@ def test_another_print_begins_with_all_objects(places):
             s.host.ok(f"M486 P{number}")
         s.host.expect("^Done printing file$", 60)
         laid = started(s)
-        assert not any(one.cancelled for one in s.assembly.jobs.objects.all)
+        assert not any(one.cancelled for one in s.assembly.services.jobs.objects.all)
         s.host.expect("^Done printing file$", 600)
         assert laid.lines == all_but()
 
@@ -203,7 +203,11 @@ def test_a_cancelled_object_stays_so_after_a_power_cut(places):
         s.host.ok("M302 P1")
         laid = Laid(s)
         s.host.ok("M1000", 600)
-        assert [one.cancelled for one in s.assembly.jobs.objects.all] == [False, True, False]
+        assert [one.cancelled for one in s.assembly.services.jobs.objects.all] == [
+            False,
+            True,
+            False,
+        ]
         s.host.expect("^Done printing file$", 600)
         assert laid.lines[-6:] == [(n, x) for n in (4, 5, 6) for x in (50, 150)]
         assert 100 not in [x for _, x in laid.lines]
@@ -255,7 +259,7 @@ def test_consoles_are_served_while_a_large_object_is_skipped(tmp_path):
     )
     seen = set[int]()
     with Scenario("i3", card=str(tmp_path)) as s:
-        runner = s.assembly.jobs.runner
+        runner = s.assembly.services.jobs.runner
 
         def look(_: str = "") -> None:
             """In each turn of the event loop; no time passes while moves are skipped."""

@@ -134,7 +134,7 @@ def place(s):
 
 
 def state(s):
-    return s.assembly.jobs.runner.state.name
+    return s.assembly.services.jobs.runner.state.name
 
 
 def after(s, line, seconds=15):
@@ -197,7 +197,7 @@ def test_cancel_macro_parks_before_or_after_the_end(printing, changes, paused):
         after(s, "PAUSE")
     at_z = place(s)[2] + 3
     assert after(s, "CANCEL_PRINT") == ("READY", (7, 216, at_z))
-    assert s.assembly.jobs.runner.ended == "cancelled"
+    assert s.assembly.services.jobs.runner.ended == "cancelled"
     assert s.printer.rig.connection.heaters["hotend"].target == 0
 
 

@@ -579,8 +579,8 @@ def test_what_was_allowed_for_a_print_survives_interruption(places):
 
         async def start():
             skips = s.printer.skips.allowing(["clamp", "ignore_tools", "unknown"])
-            s.assembly.jobs.files.open("/a.g")
-            s.assembly.jobs.runner.start(skips=skips)
+            s.assembly.services.jobs.files.open("/a.g")
+            s.assembly.services.jobs.runner.start(skips=skips)
 
         s.run(start())
         assert s.until(lambda: s.positions()["e"] > 6, 200)

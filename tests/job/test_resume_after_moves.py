@@ -10,7 +10,7 @@ from tests.support.scenario import Host, Scenario
 
 from passo import config
 from passo.errors import CardError
-from passo.job.live import runner
+from passo.job.live import file_lines
 from passo.job.live.journal import Journal
 
 HEIGHT_MM = 1.6
@@ -126,7 +126,7 @@ def test_a_pause_of_a_failed_resume_does_not_pause_the_next(places, left, tmp_pa
         s.passes(1)
         assert "will pause once it reaches the resume point" in Host(s).ok("M25")[0]
         with monkeypatch.context() as patch:
-            patch.setattr(runner, "line_of_offset", lambda r, at: pulled(r, at) if at else 1)
+            patch.setattr(file_lines, "line_of_offset", lambda r, at: pulled(r, at) if at else 1)
             s.host.expect("wall.gcode: was removed while in use", 60)
         s.host.ok("M32 b.g")
         s.host.expect("Done printing", 30)

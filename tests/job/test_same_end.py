@@ -73,7 +73,7 @@ def from_card(folder) -> End:
     with Scenario(MACHINE, card=str(folder)) as s:
         s.host.ok("M23 a.gcode")
         s.host.ok("M24")
-        runner = s.assembly.jobs.runner
+        runner = s.assembly.services.jobs.runner
         assert s.until(lambda: not runner.active, 900)
         problem = runner.problems[0] if runner.problems else None
         return (problem.line, problem.sentence) if problem else (0, runner.failed)

@@ -299,8 +299,8 @@ def test_a_print_of_a_file_resumes_after_a_power_cut(part, tmp_path):
     async def cut():
         printer = assembled(config.load("i3"), state=state)
         serving = asyncio.create_task(printer.printer.run())
-        printer.jobs.files.open(part.as_uri())
-        printer.jobs.runner.start()
+        printer.services.jobs.files.open(part.as_uri())
+        printer.services.jobs.runner.start()
         await asyncio.sleep(15)
         serving.cancel()
         printer.printer.close()

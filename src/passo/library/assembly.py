@@ -31,6 +31,7 @@ from passo.printer.printer import Printer
 from passo.printer.program_restart import ProgramRestart
 from passo.printer.unfit_commands import NOTHING, Skips
 from passo.services.jobs import Jobs, build_jobs
+from passo.services.services import Services
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -40,11 +41,11 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class Assembly:
-    """A printer with every command of a console, and its services for programs. `restart` restarts
-    the program; None if it cannot restart."""
+    """A printer with every command of a console, and its services. `restart` restarts the program;
+    None if it cannot restart."""
 
     printer: Printer
-    jobs: Jobs
+    services: Services
     settings: SettingsCommands
     restart: ProgramRestart | None
 
@@ -136,4 +137,5 @@ def _furnish(
     if jobs.journal is not None:
         printer.dispatch.add(RecoveryCommands(control, jobs.runner, jobs.journal))
     settings.load_at_start()
-    return Assembly(printer, jobs, settings, restart)
+    services = Services(control, parts, printer.status, jobs)
+    return Assembly(printer, services, settings, restart)

@@ -25,16 +25,18 @@ from passo.web.bridge import BedState, PastPrint, SettingValue, SimulatedPart, S
 if TYPE_CHECKING:
     from passo.card import Card, Writer
     from passo.config.machine import MachineConfig
+    from passo.console.settings_commands import SettingsCommands
     from passo.events import Event
     from passo.gcode.registry import Declaration
     from passo.job.batch.verdict import Verdict
     from passo.learn.explanation import Explanation
-    from passo.library.assembly import Assembly
     from passo.library.planning import Work
     from passo.printer.console_lines import ConsoleLine
+    from passo.printer.program_restart import ProgramRestart
     from passo.printer.status import PrinterState, Queue, QueuedPrint
     from passo.printer.unfit_commands import Skips
     from passo.services.observer import Observer
+    from passo.services.services import Services
     from passo.web.bridge import Hearer, Listener
 
 _T = TypeVar("_T")
@@ -47,17 +49,22 @@ class LiveBridge:
 
     def __init__(
         self,
-        assembly: Assembly,
+        services: Services,
+        settings: SettingsCommands,
+        restart: ProgramRestart | None,
         observer: Observer,
         machine_source: str,
         places: Sequence[str] = (),
     ) -> None:
-        """`places` are the open addresses; the list may grow later."""
-        self._assembly, self._source, self._places = assembly, machine_source, places
-        self._printer, self._jobs = assembly.printer, assembly.jobs
+        """`restart` restarts the program; None if it cannot restart. `places` are the open
+        addresses; the list may grow later."""
+        self._control, self._parts = services.control, services.parts
+        self._status, self._jobs = services.status, services.jobs
+        self._settings, self._restart = settings, restart
+        self._source, self._places = machine_source, places
         self._loop = asyncio.get_running_loop()
-        self._scripts = Client(self._printer.control)
-        self._overtaking = Client(self._printer.control)
+        self._scripts = Client(self._control)
+        self._overtaking = Client(self._control)
         self._turn = asyncio.Lock()  # scripts run one after the other
         self._in_turn = 0  # scripts that run or wait for their turn
         self._listeners: dict[asyncio.AbstractEventLoop, list[Listener]] = {}
@@ -92,7 +99,7 @@ class LiveBridge:
     # -- the printer's loop -----------------------------------------------------------------------
 
     def _snapshot(self, version: int) -> Snapshot:
-        return Snapshot(version, time.monotonic(), self._printer.status.read())
+        return Snapshot(version, time.monotonic(), self._status.read())
 
     def _refresh(self) -> None:
         snapshot = self._snapshot(self._latest.version + 1)
@@ -152,7 +159,7 @@ class LiveBridge:
         """Whether each line of a script acts at once, so that the script need not wait for the one
         before. Heaters and fans that are set while a command moves the machine by itself do not
         overtake scripts that wait for its end."""
-        dispatch = self._printer.dispatch
+        dispatch = self._control.dispatch
         commands = [command_of(text) for line in lines if (text := uncommented(line))]
         waits = self._in_turn > 1 and any(map(dispatch.sets_meanwhile, commands))
         return bool(commands) and not waits and all(map(dispatch.overtakes, commands))
@@ -192,7 +199,7 @@ class LiveBridge:
     @property
     def machine(self) -> MachineConfig:
         """Like `Bridge.machine`."""
-        return self._printer.machine
+        return self._control.machine
 
     @property
     def machine_source(self) -> str:
@@ -202,7 +209,7 @@ class LiveBridge:
     @property
     def skips(self) -> Skips:
         """Like `Bridge.skips`."""
-        return self._printer.skips
+        return self._control.skips
 
     @property
     def places(self) -> Sequence[str]:
@@ -212,7 +219,7 @@ class LiveBridge:
     @property
     def commands(self) -> Sequence[Declaration]:
         """Like `Bridge.commands`."""
-        has = self._printer.dispatch.has
+        has = self._control.dispatch.has
         return tuple(row for row in table().values() if has(row))
 
     def latest(self) -> Snapshot:
@@ -232,12 +239,12 @@ class LiveBridge:
 
     def console_history(self) -> list[ConsoleLine]:
         """Like `Bridge.console_history`."""
-        return self._printer.state.console_lines.last()
+        return self._control.state.console_lines.last()
 
     def on_console_line(self, call: Callable[[ConsoleLine], None]) -> Callable[[], None]:
         """Like `Bridge.on_console_line`."""
         entry = (asyncio.get_running_loop(), call)
-        lines = self._printer.state.console_lines
+        lines = self._control.state.console_lines
 
         def begin() -> None:
             self._line_listeners.append(entry)
@@ -269,15 +276,15 @@ class LiveBridge:
         """Like `Bridge.endstops`."""
 
         def states() -> dict[str, bool]:
-            if self._printer.state.halted:
-                raise CommandError.of("command.halted", value=self._printer.state.halted)
-            return self._printer.motion.homer.states()
+            if self._control.state.halted:
+                raise CommandError.of("command.halted", value=self._control.state.halted)
+            return self._parts.motion.homer.states()
 
         return await self._call(states)
 
     def emergency_stop(self) -> None:
         """Like `Bridge.emergency_stop`."""
-        self._loop.call_soon_threadsafe(self._printer.stops.emergency_stop)
+        self._loop.call_soon_threadsafe(self._control.stops.emergency_stop)
 
     async def restart(self) -> None:
         """Like `Bridge.restart`."""
@@ -285,7 +292,7 @@ class LiveBridge:
 
     async def restart_program(self) -> None:
         """Like `Bridge.restart_program`."""
-        restart = self._assembly.restart
+        restart = self._restart
         if restart is None:
             raise ConfigError.of("machine.no-restart")
         await asyncio.to_thread(restart.check)
@@ -346,7 +353,7 @@ class LiveBridge:
 
     async def settings(self) -> list[SettingValue]:
         """Like `Bridge.settings`."""
-        rows = await self._call(lambda: list(self._assembly.settings.provenance()))
+        rows = await self._call(lambda: list(self._settings.provenance()))
         return [
             SettingValue(group, setting.head, setting.word, setting.value, file, stored, source)
             for group, setting, file, stored, source in rows
@@ -354,14 +361,14 @@ class LiveBridge:
 
     async def bed(self) -> BedState:
         """Like `Bridge.bed`."""
-        bed = self._printer.motion.correction
+        bed = self._parts.motion.correction
         return await self._call(lambda: BedState(bed.correction, bed.on))
 
     async def simulated_parts(self) -> list[SimulatedPart]:
         """Like `Bridge.simulated_parts`."""
 
         def parts() -> list[SimulatedPart]:
-            injector = self._printer.rig.connection.injector
+            injector = self._control.rig.connection.injector
             if injector is None:
                 return []
             active = injector.active

@@ -186,7 +186,7 @@ class Printer:
         line, heaters keep their targets, so that `resume` can continue after the line.
         """
         self._raise_if_ended()
-        jobs, printer = self._opened.jobs, self._printer
+        jobs, printer = self._opened.services.jobs, self._printer
         runner = jobs.runner
         jobs.files.open(local_uri(path))
         before_mm = printer.suspension.filament_mm()
@@ -443,8 +443,7 @@ class Printer:
     @property
     def _observer(self) -> Observer:
         if self._observed is None:
-            printer = self._printer
-            self._observed = Observer(printer.control, self._opened.jobs, printer.status)
+            self._observed = Observer(self._opened.services)
         return self._observed
 
     @property
@@ -452,7 +451,11 @@ class Printer:
         if self._bridged is None:
             from passo.library.bridge import LiveBridge
 
-            self._bridged = LiveBridge(self._opened, self._observer, self._source, self._places)
+            opened = self._opened
+            self._bridged = LiveBridge(
+                *(opened.services, opened.settings, opened.restart, self._observer),
+                *(self._source, self._places),
+            )
         return self._bridged
 
     @property

@@ -23,10 +23,8 @@ from passo.events import (
 from passo.job.live.job_state import JobState
 
 if TYPE_CHECKING:
-    from passo.printer.control import Control
     from passo.printer.status import Status
-    from passo.printer.status_reader import StatusReader
-    from passo.services.jobs import Jobs
+    from passo.services.services import Services
 
 LOOK_S = 0.25  # host time, and print time, between two checks
 _CHANGE_C = 1.0
@@ -48,12 +46,8 @@ class Observer:
     """Reports the status and events of one printer. Callbacks run in the event loop, never within a
     call of the printer; their exceptions go to the loop's exception handler."""
 
-    def __init__(
-        self,
-        control: Control,
-        jobs: Jobs,
-        status: StatusReader,
-    ) -> None:
+    def __init__(self, services: Services) -> None:
+        control, jobs, status = services.control, services.jobs, services.status
         self._rig, self._state = control.rig, control.state
         self._runner, self._progress, self._status = jobs.runner, jobs.progress, status
         self._loop = asyncio.get_running_loop()

@@ -98,8 +98,8 @@ def test_a_card_that_fails_at_the_start_ends_the_print_at_once(folder, tmp_path,
     with Scenario("i3", card=str(folder), **places) as s:
         s.host.ok("M23 square.gcode")
         runner = s.printer.state.stop_listeners[0].__self__
-        runner._reader.close()
-        runner._reader = Pulled()
+        runner.file.reader.close()
+        runner.file.reader = Pulled()
         s.host.ok("M24")
         s.host.expect("Print of square.gcode stopped: .*removed while in use", 5)
         assert s.host.ok("M27")[0] == "Not SD printing"
