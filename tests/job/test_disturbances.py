@@ -81,7 +81,7 @@ class Disturbances(RuleBasedStateMachine):
 
     @property
     def job(self) -> JobState:
-        return self.s.assembly.runner.state
+        return self.s.assembly.services.jobs.runner.state
 
     def step(self, seconds: float, *lines: str) -> None:
         """Sends these. While a board is away, what waits for it goes on waiting."""

@@ -116,7 +116,7 @@ def test_sensor_on_a_further_board_pauses_the_print(tmp_path, firmware):
         s.board.force_input(INPUT, False)
         s.host.expect(ENDED, 1)
         s.passes(5)
-        assert s.assembly.runner.state is JobState.PAUSED
+        assert s.assembly.services.jobs.runner.state is JobState.PAUSED
         s.board.force_input(INPUT, True)
         s.host.ok("M24")
         s.host.expect("^Done printing file$", 200)

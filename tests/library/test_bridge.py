@@ -99,7 +99,7 @@ def test_script_that_fails_restores_the_state_that_it_has_saved(tmp_path):
         with pytest.raises(CommandError, match="beyond the limit"):
             await bridge.run(f"{jog}_ui_movement ; as before\nG1 X1")
         await bridge.run("G1 X2 F100")  # absolute, in inches
-        assert bridge._printer.rig.job.machine_position[0] == pytest.approx(50.8)
+        assert bridge._control.rig.job.machine_position[0] == pytest.approx(50.8)
 
     bridged(test, tmp_path)
 

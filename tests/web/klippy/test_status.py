@@ -177,7 +177,7 @@ def test_load_of_a_board_is_what_its_firmware_reports(tmp_path):
     async def test(bridge: LiveBridge):
         (mcu,) = shown(bridge, "mcu")
         assert (mcu["last_stats"]["mcu_awake"], mcu["last_stats"]["mcu_task_avg"]) == (0.0, 0.0)
-        (connection,) = bridge._printer.rig.connection.connections
+        (connection,) = bridge._control.rig.connection.connections
         # 1000 passes of 400 ticks on average, at 16 MHz, with a deviation of 80.
         connection._responses.append(("stats", {"count": 1000, "sum": 400_000, "sumsq": 650_000}))
         await asyncio.sleep(0.5)

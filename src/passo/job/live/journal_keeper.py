@@ -270,11 +270,11 @@ class JournalKeeper:
 
     def _z(self) -> float:
         job = self._control.rig.job
-        return (job.position_at(self._control.rig.queue.passed) or job.machine_position)[2]
+        return (job.history.position_at(self._control.rig.queue.passed) or job.machine_position)[2]
 
     def _moment(self, line: int, z_mm: float) -> Moment:
         control = self._control
-        babysteps_mm = self._motion.offsets.of_program_mm(suspended=control.rig.job.suspended)
+        babysteps_mm = self._motion.offsets.of_program_mm(suspended=control.rig.job.stops.suspended)
         return Moment(
             line if line > 1 else 0,
             round(control.rig.queue.passed / control.rig.queue.hz, 3),
