@@ -18,6 +18,7 @@ from tools.references import (
 from passo.config import sensor_names
 from passo.config.importing.klipper import reference as klipper_reference
 from passo.config.importing.marlin import reference as marlin_reference
+from passo.config.importing.rrf import reference as rrf_reference
 
 FOLDER = Path(__file__).parents[1] / "docs" / "reference"
 PAGES = {
@@ -27,6 +28,7 @@ PAGES = {
     "klipper-sections.md": klipper_reference.reference,
     "http.md": http_api.reference,
     "marlin-defines.md": marlin_reference.reference,
+    "reprapfirmware-commands.md": rrf_reference.reference,
     "machine-file.md": machine_file.reference,
     "protocol.md": protocol.reference,
     "sensors.md": sensor_names.reference,

@@ -20,7 +20,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "file",
         metavar="FILE",
-        help="Klipper's printer.cfg, Marlin's Configuration.h, or APrinter's JSON",
+        help="Klipper's printer.cfg, Marlin's Configuration.h, APrinter's JSON, or RepRapFirmware's"
+        " config.g",
     )
     parser.add_argument(
         "--output",

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 _TITLES = {
     "built-in": ("{}s that Passo needs no key for", "in Passo"),
+    "decide": ("{}s that you decide", "what to do"),
     "dropped": ("{}s that are not taken over", "what that means"),
 }
 
