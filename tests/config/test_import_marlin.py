@@ -841,7 +841,8 @@ def test_every_define_of_the_reference_is_read(load, monkeypatch: pytest.MonkeyP
             return old(self, *names)
 
         monkeypatch.setattr(Defines, name, recording)
-    on = """BLTOUCH ASSISTED_TRAMMING PROBE_MANUALLY INPUT_SHAPING_X USE_CONTROLLER_FAN
+    on = """BLTOUCH FWRETRACT PREVENT_COLD_EXTRUSION
+        ASSISTED_TRAMMING PROBE_MANUALLY INPUT_SHAPING_X USE_CONTROLLER_FAN
         BACKLASH_COMPENSATION
         MESH_BED_LEVELING SKEW_CORRECTION NOZZLE_PARK_FEATURE LIN_ADVANCE PSU_CONTROL FT_MOTION
         FTM_IS_DEFAULT_MOTION STEALTHCHOP_XY Z_STEPPER_AUTO_ALIGN"""
@@ -876,3 +877,13 @@ def test_every_define_of_the_reference_is_read(load, monkeypatch: pytest.MonkeyP
     patterns = {name: re.escape(name).replace(r"\*", r"\w+") for name in names}
     missing = [n for n, p in patterns.items() if not any(re.fullmatch(p, one) for one in asked)]
     assert missing == []
+
+
+def test_retraction_cold_limit_and_fade_are_taken_over(load) -> None:
+    more = "#define FWRETRACT\n#define RETRACT_LENGTH 0.7\n#define RETRACT_FEEDRATE 40\n"
+    more += "#define RETRACT_RECOVER_LENGTH -0.05\n#define PREVENT_COLD_EXTRUSION\n"
+    more += "#define EXTRUDE_MINTEMP 160\n#define DEFAULT_LEVELING_FADE_HEIGHT 8.0\n"
+    _, machine = load(more=f"{PROBE}#define BLTOUCH\n#define AUTO_BED_LEVELING_BILINEAR\n{more}")
+    retraction = machine.retraction
+    assert (retraction.length_mm, retraction.speed_mm_s, retraction.extra_mm) == (0.7, 40, -0.05)
+    assert (machine.limits.min_extrude_c, machine.levelling.fade_mm) == (160, 8)

@@ -189,8 +189,8 @@ def put_levelling(job: Job) -> None:
             smooth = defines.on("ABL_BILINEAR_SUBDIVISION")
             put((*path, "interpolation"), "bicubic" if smooth else "bilinear", place)
             fade = defines.number("DEFAULT_LEVELING_FADE_HEIGHT")
-            if fade is not None and fade.value:
-                job.changed(fade.name, f"set the fade of the mesh with M420 Z{fade.value:g}")
+            if fade is not None and fade.value > 0:
+                job.put((*path, "fade_mm"), fade)
     _put_screws(job)
     _put_motors(job)
 

@@ -26,6 +26,8 @@ def put_features(job: Job) -> None:
     for name, convert in (
         ("DEFAULT_STEPPER_TIMEOUT_SEC", _put_idle),
         ("NOZZLE_PARK_FEATURE", _put_park),
+        ("FWRETRACT", _put_retraction),
+        ("EXTRUDE_MINTEMP", _put_cold_limit),
         ("PSU_CONTROL", _put_mains),
         ("LASER_FEATURE", _put_laser),
         ("INPUT_SHAPING_X", _put_shapers),
@@ -105,6 +107,27 @@ def _put_shapers(job: Job) -> None:
             put((*path, "type"), kind, job.place(f"FTM_DEFAULT_SHAPER_{letter}"))
             job.put((*path, "frequency_hz"), frequency)
             job.put((*path, "damping"), defines.number(f"FTM_SHAPING_ZETA_{letter}"))
+
+
+def _put_retraction(job: Job) -> None:
+    """Converts the retraction of G10 and G11, if it is in use."""
+    if not job.defines.on("FWRETRACT"):
+        return
+    for name, key in (
+        ("RETRACT_LENGTH", "length_mm"),
+        ("RETRACT_FEEDRATE", "speed_mm_s"),
+        ("RETRACT_ZRAISE", "hop_mm"),
+        ("RETRACT_RECOVER_LENGTH", "extra_mm"),
+        ("RETRACT_RECOVER_FEEDRATE", "return_mm_s"),
+    ):
+        found = job.defines.number(name)
+        if found is not None and (found.value > 0 or key == "extra_mm"):
+            job.put(("retraction", key), found)
+
+
+def _put_cold_limit(job: Job) -> None:
+    if job.defines.on("PREVENT_COLD_EXTRUSION"):
+        job.put(("limits", "min_extrude_c"), job.defines.number("EXTRUDE_MINTEMP"))
 
 
 def _put_idle(job: Job) -> None:

@@ -18,13 +18,11 @@ OTHERS: dict[str, Other] = {
     "GCODE_MACROS": built_in("write macros in the machine file"),
     "Z_HOMING_HEIGHT": lost(_NO_RISE),
     "Z_CLEARANCE_FOR_HOMING": lost(_NO_RISE),
-    "EXTRUDE_MINTEMP": built_in("filament moves from 170 °C; M302 S sets another limit"),
     "S_CURVE_ACCELERATION": lost(
         "jerk_mm_s3 in [limits] makes S-curves; shapers leave less ringing"
     ),
     "FILAMENT_RUNOUT_SENSOR": lost("a print does not pause when the filament ends"),
     "FILAMENT_WIDTH_SENSOR": lost("the width of the filament is not measured"),
-    "FWRETRACT": lost("set G10 and G11 with M207 and M208"),
     "CASE_LIGHT_ENABLE": lost("the light stays off"),
     "NEOPIXEL_LED": lost("the light stays off"),
     "RGB_LED": lost("the light stays off"),
