@@ -393,6 +393,7 @@ def test_motors_go_off_by_axis_and_forget_where_they_are(s):
     on = {x: s.board.output_value(f"{x}-enable") for x in "xyze"}
     assert on == {"x": 0, "y": 0, "z": 0, "e": 0}  # low switches an A4988 on
     s.host.ok("M84 X")
+    s.passes(0.1)
     assert s.board.output_value("x-enable") == 1
     assert s.board.output_value("y-enable") == 0
     assert "axis X is not homed" in s.host.ok("G1 X5")[0]
