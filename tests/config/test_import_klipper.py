@@ -262,7 +262,8 @@ def test_fans_of_each_kind(load) -> None:
     assert machine.fans["Chamber"].number == 1
     assert [machine.fans[name].pwm_hz for name in ("Chamber", "Hotend_Fan")] == [1000, 100]
     assert "off until M106 P2 sets it" in "".join(remarks(draft, "decide"))
-    assert "heater: the fan runs with the motors alone" in "".join(remarks(draft, "changed"))
+    assert (machine.fans["rpi"].number, machine.fans["rpi"].thermostat) == (2, None)
+    assert board.follows_targets == ["hotend"]
     assert [heater.pwm_hz for heater in machine.heaters.values()] == [10, 10]
 
 

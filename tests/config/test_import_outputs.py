@@ -41,6 +41,19 @@ sensor_type: temperature_host
 sensor_type: temperature_mcu
 max_temp: 100
 gcode_id: MCU
+[temperature_fan cpu]
+pin: PB0
+sensor_type: temperature_mcu
+max_temp: 90
+control: pid
+pid_Kp: 40
+pid_Ki: 0.5
+pid_Kd: 2
+target_temp: 55
+max_speed: 0.8
+[controller_fan case]
+pin: PB1
+idle_speed: 0.4
 [temperature_sensor air]
 sensor_type: BME280
 i2c_bus: i2c1
@@ -82,6 +95,15 @@ def test_sensors_keep_kind_range_and_letter(made):
     assert (pi.on_fault, mcu.on_fault, mcu.max_c) == ("report", "machine", 100.0)
     assert mcu.letter is None
     assert "[temperature_sensor mcu] gcode_id: M105" in "\n".join(remarks(made[0], "changed"))
+
+
+def test_fans_keep_what_they_follow(made):
+    cpu, case = (made[1].fans[n] for n in ("cpu", "case"))
+    kept = cpu.thermostat
+    assert (kept.sensor, kept.target_c, kept.kp, kept.ki, kept.kd) == ("cpu", 55.0, 40.0, 0.5, 2.0)
+    assert (kept.min_power, cpu.max_power) == (0.3, 0.8)
+    assert made[1].sensors["cpu"].sensor.kind == "chip"
+    assert (case.follows_targets, case.idle_power, case.stays_on_s) == (["hotend"], 0.4, 30.0)
 
 
 def test_sensor_that_passo_cannot_read_is_left_out_with_the_reason(made):

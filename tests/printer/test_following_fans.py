@@ -7,6 +7,7 @@ from tests.support.scenario import Scenario
 
 from passo import config
 from passo.config.load import shipped_text
+from passo.config.sensor_tables import share_at
 from passo.errors import ConfigError
 
 FAN = """[fans.case]
@@ -75,6 +76,72 @@ def test_fan_may_follow_a_heater():
         s.host.ok("M140 S60")
         assert s.until(lambda: on(s), 200)
         assert s.printer.rig.connection.heaters["bed"].celsius == pytest.approx(40, abs=1)
+
+
+THERMOSTAT = """[sensors.board]
+sensor_pin = "T2"
+ambient_c = 30.0
+[fans.cooler]
+pin = "D11"
+thermostat = { sensor = "board", target_c = 40.0 }
+"""
+WHOLE = 1_600_000  # ticks of a cycle of 10 Hz
+
+
+def warms(s, celsius: float) -> None:
+    """The sensor of the board reads this temperature."""
+    s.board.force_sensor("board", share_at(s.board.board.sensors[-1].table, celsius))
+
+
+def power(s) -> float:
+    return s.board.output_value("cooler") / WHOLE
+
+
+def test_thermostat_switches_its_fan_with_a_hysteresis():
+    with Scenario(machine(THERMOSTAT)) as s:
+        for celsius, on in ((41, 0), (43, 1), (39, 1), (37, 0), (41, 0)):
+            warms(s, celsius)
+            s.passes(1.5)
+            assert power(s) == on, celsius
+
+
+def test_thermostat_with_a_pid_has_power_between_its_limits():
+    gains = "kp = 25.5, ki = 0.0, kd = 0.0, min_power = 0.2"
+    text = THERMOSTAT.replace("40.0 }", f"40.0, {gains} }}")
+    with Scenario(machine(text)) as s:
+        for celsius, share in ((30, 0.2), (44, 0.4), (60, 1.0)):
+            warms(s, celsius)
+            s.passes(1.5)
+            assert power(s) == pytest.approx(share, abs=0.05)
+
+
+def test_set_temperature_fan_target_sets_target_and_limits():
+    with Scenario(machine(THERMOSTAT)) as s:
+        s.host.ok("SET_TEMPERATURE_FAN_TARGET TEMPERATURE_FAN=cooler TARGET=25 MAX_SPEED=0.5")
+        assert s.until(lambda: power(s) == 0.5, 2)
+        assert s.printer.status.read().fan_targets_c == {"cooler": 25.0}
+        s.host.ok("SET_TEMPERATURE_FAN_TARGET TEMPERATURE_FAN=cooler")
+        assert s.until(lambda: power(s) == 0, 2)
+        refused = s.host.ok("SET_TEMPERATURE_FAN_TARGET TEMPERATURE_FAN=no TARGET=25")[0]
+        assert "cooler" in refused
+
+
+def test_fan_of_a_broken_sensor_has_full_power():
+    with Scenario(machine(THERMOSTAT)) as s:
+        s.passes(2)
+        assert power(s) == 0
+        s.board.force_sensor("board", 1.0)
+        assert s.until(lambda: power(s) == 1, 2)
+
+
+def test_fan_follows_targets_and_then_idles():
+    text = FAN.replace('follows_motors = ["z", "e"]', 'follows_targets = ["bed"]\nidle_power = 0.4')
+    with Scenario(machine(text)) as s:
+        s.host.ok("M140 S50")
+        assert s.until(lambda: s.board.output_value("case") == FULL, 2)
+        s.host.ok("M140 S0")
+        assert s.until(lambda: s.board.output_value("case") == WHOLE * 0.4, 2)
+        assert s.until(lambda: s.board.output_value("case") == 0, 21)
 
 
 def test_a_motor_that_is_not_there_is_named():

@@ -6,7 +6,27 @@ from typing import Annotated
 
 from pydantic import Field
 
-from passo.config.types import Fraction, Letter, Model, Name, PartName, Pin, Positive
+from passo.config.types import Fraction, Letter, Model, Name, NotNegative, PartName, Pin, Positive
+
+
+class Thermostat(Model):
+    """A fan that cools the place of a sensor. While the sensor is broken, the fan has its
+    `max_power`. A PID has all three gains; without them the fan is on or off."""
+
+    sensor: PartName
+    """One of the `sensors`."""
+    target_c: Annotated[float, Field(ge=0, le=1200)] = 40.0
+    """The fan keeps the sensor below this temperature. 0: the fan is off."""
+    hysteresis_c: NotNegative = 2.0
+    """Without gains, the fan goes on this far above the target, and off this far below it."""
+    kp: Positive | None = None
+    """Proportional gain, in 1/255 of full power per °C, as in Klipper."""
+    ki: NotNegative | None = None
+    """Integral gain, in 1/255 of full power per °C·s."""
+    kd: NotNegative | None = None
+    """Derivative gain, in 1/255 of full power per °C/s."""
+    min_power: Fraction = 0.3
+    """The minimum power with a PID, while the target is not 0."""
 
 
 class Fan(Model):
@@ -34,13 +54,21 @@ class Fan(Model):
     """The fan is on while any of these motors is on. Commands do not control such a fan."""
     stays_on_s: Annotated[float, Field(ge=0, le=3600)] = 60.0
     """The fan stays on for this time after these motors go off."""
+    follows_targets: list[PartName] = []
+    """The fan is on while any of these heaters has a target, and for `stays_on_s` afterwards.
+    Commands do not control such a fan."""
+    idle_power: Fraction | None = None
+    """The power during `stays_on_s`. If not given, `max_power`."""
+    thermostat: Thermostat | None = None
+    """The sensor that this fan cools. Commands set the target of such a fan."""
     pwm_hz: Annotated[float, Field(ge=1, le=1000)] = 10.0
     """Pulses per second of the output."""
 
     @property
     def commanded(self) -> bool:
         """Whether M106 and M107 set this fan."""
-        return self.follows is None and not self.follows_motors
+        led = self.follows is not None or self.follows_motors or self.follows_targets
+        return not led and self.thermostat is None
 
 
 class Laser(Model):

@@ -67,7 +67,20 @@ def check_fans(data: Raw) -> Iterator[Finding]:
             if isinstance(motor, str) and motor not in steppers:
                 hint, limit = did_you_mean(motor, steppers), "names of motors"
                 yield Finding("config.value", (*path, "follows_motors"), motor, limit, hint)
-        if motors or isinstance(heater, str):
+        followed = array(fan, "follows_targets")
+        for one in followed:
+            if isinstance(one, str) and one not in heaters:
+                hint, limit = did_you_mean(one, heaters), "names of heaters"
+                yield Finding("config.value", (*path, "follows_targets"), one, limit, hint)
+        thermostat, sensors = table(fan, "thermostat"), table(data, "sensors")
+        sensor = thermostat.get("sensor")
+        if isinstance(sensor, str) and sensor not in sensors:
+            hint, limit = did_you_mean(sensor, sensors), "the name of one of the sensors"
+            yield Finding("config.value", (*path, "thermostat", "sensor"), sensor, limit, hint)
+        if 0 < sum(gain in thermostat for gain in ("kp", "ki", "kd")) < 3:
+            limit = "kp, ki and kd, or none of them"
+            yield Finding("config.conflict", (*path, "thermostat"), "one gain", limit)
+        if motors or followed or thermostat or isinstance(heater, str):
             kick_s = number(fan, "kick_start_s")
             if kick_s:
                 limit = "0 where a fan follows something: it starts with max_power anyway"

@@ -40,7 +40,9 @@ def fan_object(machine: MachineConfig, name: str) -> str:
     part = machine.fans[name]
     if part.follows is not None:
         return f"heater_fan {name}"
-    if part.follows_motors:
+    if part.thermostat is not None:
+        return f"temperature_fan {name}"
+    if part.follows_motors or part.follows_targets:
         return f"controller_fan {name}"
     first = next((n for n, fan in machine.fans.items() if fan.commanded and fan.number == 0), None)
     return "fan" if name == first else f"fan_generic {name}"

@@ -40,7 +40,6 @@ _declare(
     ("SET_SERVO", "The servo of a probe moves with it; Passo has no other servo."),
     ("SET_LED SET_LED_TEMPLATE", "Passo has no light."),
     ("SET_DISPLAY_GROUP", "Passo has no display yet."),
-    ("SET_TEMPERATURE_FAN_TARGET", "A fan has no temperature of its own; it may follow a heater."),
     ("MANUAL_STEPPER", "Passo has no motors beside axes and extruders."),
     ("BED_MESH_OFFSET", "The correction of the bed follows the nozzle of the tool in use (M218)."),
     ("G27 M125", "M25 and M601 park the head."),

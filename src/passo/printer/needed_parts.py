@@ -50,6 +50,9 @@ NEEDS: Mapping[str, _Needs] = {
     "PROBE_CALIBRATE": lambda machine: isinstance(machine.probe, SensingProbe),
     "SET_FAN_SPEED": _has_named_fan,
     "SET_PIN": _has_output,
+    "SET_TEMPERATURE_FAN_TARGET": lambda machine: any(
+        fan.thermostat for fan in machine.fans.values()
+    ),
     "M42": _has_output,
     "M240": _has_use("camera"),
     "M355": _has_use("light"),

@@ -123,7 +123,7 @@ class Printer:
             self.faults.time_passed,
             self.endstops.time_passed,
             inputs.time_passed,
-            AutomaticFans(rig, state, outputs.motors).time_passed,
+            AutomaticFans(rig, state, outputs.motors, self.sensors).time_passed,
             self.drivers.time_passed,
             self.sensors.time_passed,
             self.lateness.time_passed,

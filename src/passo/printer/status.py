@@ -382,7 +382,7 @@ class Status:
     the heaters that a long pause or a fault has switched off, °C by name: they warm up before the
     print resumes. `buttons` are the buttons by name, with True while they are pressed. `outputs`
     are fractions of fully on, without outputs that are fixed; `sensors` are those without a
-    heater."""
+    heater; `fan_targets_c` are the targets of the fans with a thermostat, 0 while they are off."""
 
     state: PrinterState
     halted: str
@@ -423,6 +423,7 @@ class Status:
     advances: tuple[AdvanceStatus, ...] = ()
     cooled_c: dict[str, float] = field(default_factory=dict[str, float])
     outputs: dict[str, float] = field(default_factory=dict[str, float])
+    fan_targets_c: dict[str, float] = field(default_factory=dict[str, float])
     sensors: dict[str, SensorStatus] = field(default_factory=dict[str, SensorStatus])
     filament_sensors: dict[str, FilamentSensorStatus] = field(
         default_factory=dict[str, FilamentSensorStatus]

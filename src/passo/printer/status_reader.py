@@ -83,6 +83,7 @@ class StatusReader:
             advances=rig.commands.filters.advance_status(),
             cooled_c=dict(self._outputs.targets.cooled_c),
             outputs=self._output_values(),
+            fan_targets_c=dict(rig.commands.fan_targets.targets_c),
             sensors=self._sensors.status(),
             filament_sensors=self._inputs.filament.status(),
             buttons={n: self._inputs.buttons.pressed.get(n, False) for n in rig.machine.buttons},

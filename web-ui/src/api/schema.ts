@@ -938,7 +938,8 @@ export interface SpeedFactor {
  * targets of the heaters that a long pause or a fault has switched off, °C by name: they warm up
  * before the print resumes. `buttons` are the buttons by name, with True while they are pressed.
  * `outputs` are fractions of fully on, without outputs that are fixed; `sensors` are those
- * without a heater. */
+ * without a heater; `fan_targets_c` are the targets of the fans with a thermostat, 0 while they
+ * are off. */
 export interface Status {
   state: PrinterState;
   halted: string;
@@ -979,6 +980,7 @@ export interface Status {
   advances: AdvanceStatus[];
   cooled_c: Record<string, number>;
   outputs: Record<string, number>;
+  fan_targets_c: Record<string, number>;
   sensors: Record<string, SensorStatus>;
   filament_sensors: Record<string, FilamentSensorStatus>;
   buttons: Record<string, boolean>;

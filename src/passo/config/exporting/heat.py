@@ -16,6 +16,7 @@ from passo.config.sensors import (
 from passo.config.thermistor import ZERO_C
 
 if TYPE_CHECKING:
+    from passo.config.electronics import Thermostat
     from passo.config.exporting.cfg import Cfg
     from passo.config.heat import Heater
     from passo.config.sensors import AnySensor
@@ -111,13 +112,25 @@ def _ohm(sensor: Thermistor, celsius: float) -> float:
     return exp(x)
 
 
+def _put_thermostat(cfg: Cfg, section: str, kept: Thermostat) -> None:
+    cfg.put(section, target_temp=kept.target_c, min_speed=kept.min_power)
+    if kept.kp is None:
+        cfg.put(section, control="watermark", max_delta=kept.hysteresis_c)
+    else:
+        cfg.put(section, control="pid", pid_Kp=kept.kp, pid_Ki=kept.ki, pid_Kd=kept.kd)
+
+
 def _put_fans(cfg: Cfg, heaters: dict[str, str]) -> None:
     for name, fan in cfg.machine.fans.items():
         section = fan_object(cfg.machine, name)
         moved = fan.follows_motors
         if fan.follows:
             cfg.put(section, heater=heaters[fan.follows], heater_temp=fan.above_c)
-        elif moved:
+        elif (kept := fan.thermostat) is not None:
+            _put_thermostat(cfg, section, kept)
+        elif moved or fan.follows_targets:
+            named = (heaters[one].removeprefix("heater_generic ") for one in fan.follows_targets)
+            cfg.put(section, heater=", ".join(named) or None, idle_speed=fan.idle_power)
             own = ", ".join(cfg.motors[motor] for motor in moved if motor in cfg.motors)
             cfg.put(section, stepper=own, idle_timeout=int(fan.stays_on_s))
         cfg.put(

@@ -33,7 +33,10 @@ _PARTS = (
     _Part(("macros", _ANY)),
     _Part(("delayed_gcode", _ANY)),
     _Part(("heaters", _ANY), ("kind", "pin", "sensor_pin", "sensor", "min_c", "max_c")),
-    _Part(("fans", _ANY), ("pin", "follows", "follows_motors", "number")),
+    _Part(
+        ("fans", _ANY),
+        ("pin", "follows", "follows_motors", "follows_targets", "thermostat", "number"),
+    ),
     _Part(("filament_sensors", _ANY), ("pin", "kind", "extruder")),
     _Part(("buttons", _ANY), ("pin",)),
     _Part(("outputs", _ANY)),

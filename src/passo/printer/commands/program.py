@@ -11,6 +11,7 @@ from passo.errors import CommandError, Problem
 from passo.gcode.command import Command
 from passo.gcode.registry import Kind, Role, commands_of, row_of
 from passo.printer.commands.backlash import BacklashCommands
+from passo.printer.commands.fan_targets import FanTargets
 from passo.printer.commands.klipper_commands import KlipperCommands
 from passo.printer.commands.limits import Limits
 from passo.printer.commands.motion_filters import MotionFilters
@@ -51,6 +52,7 @@ _PARTS = {
     "set_points": SetPoints,
     "outputs": Outputs,
     "pins": OutputPins,
+    "fan_targets": FanTargets,
     "limits": Limits,
     "filters": MotionFilters,
     "backlash": BacklashCommands,
@@ -144,6 +146,7 @@ class Commands:
         self.tower = TuningTower(machine, job)
         self.not_yet = NotYet()
         self.stand_ins = StandInCommands(machine, stand_ins, self.omitted)
+        self.fan_targets = FanTargets(machine)
         self.pins = OutputPins(machine, job, self.outputs, stand_ins, self.omitted)
         self.file: PlannedFile | None = None  # the file of a plan
 
@@ -220,6 +223,7 @@ class Commands:
             planned,
             shapers=self.filters.shaper_status(),
             advances=self.filters.advance_status(),
+            fan_targets_c=dict(self.fan_targets.targets_c),
             filament_sensors=self.stand_ins.filament_sensors,
             buttons=dict.fromkeys(self._machine.buttons, False),
         )

@@ -41,6 +41,14 @@ def fan(status: Status, name: str) -> Object:
     return {"speed": status.fans.get(name, 0.0), "rpm": None}
 
 
+def temperature_fan(machine: MachineConfig, status: Status, name: str) -> Object:
+    """A fan with a thermostat, with the temperature of its sensor and its target, °C."""
+    kept = machine.fans[name].thermostat
+    seen = temperature_sensor(status, kept.sensor) if kept else {"temperature": 0.0}
+    found = {"temperature": seen["temperature"], "target": status.fan_targets_c[name]}
+    return fan(status, name) | found
+
+
 def output_pin(status: Status, name: str) -> Object:
     """An output; its value is a fraction of fully on."""
     return {"value": status.outputs[name]}

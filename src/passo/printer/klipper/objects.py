@@ -21,6 +21,7 @@ from passo.printer.klipper.heat import (
     heater,
     heaters,
     output_pin,
+    temperature_fan,
     temperature_sensor,
 )
 from passo.printer.klipper.job import (
@@ -94,7 +95,11 @@ def objects(
     if status.shapers:
         found["input_shaper"] = lambda: input_shaper(status)
     for name in machine.fans:
-        found[fan_object(machine, name)] = lambda name=name: fan(status, name)
+        found[fan_object(machine, name)] = (
+            (lambda name=name: temperature_fan(machine, status, name))
+            if name in status.fan_targets_c
+            else (lambda name=name: fan(status, name))
+        )
     for name in status.outputs:
         found[f"output_pin {name}"] = lambda name=name: output_pin(status, name)
     for name in status.sensors:

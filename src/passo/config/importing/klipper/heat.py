@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import exp, log
 from typing import TYPE_CHECKING, Any
 
-from passo.config.importing.draft import MOTORS_ALONE, NO_BUS, UNKNOWN_SENSOR, UNSAFE, bad
+from passo.config.importing.draft import NO_BUS, UNKNOWN_SENSOR, UNSAFE, bad
 from passo.config.importing.klipper.buses import wires_of
 from passo.config.importing.klipper.cfg import Section
 from passo.config.part_names import part_name
@@ -197,18 +197,19 @@ def _put_fan(job: Import, section: Section, path: KeyPath) -> None:
         given = [s.strip() for s in section.text("stepper").split(",") if s.strip()]
         motors = [job.motor(section, one) for one in given] or job.motors
         job.put_value((*path, "follows_motors"), section, "stepper", [*motors])
-        section.used.add("heater")
-        job.draft.changed(section.at("heater"), f"[{section.name}] heater", MOTORS_ALONE)
-    elif kind in ("fan_generic", "temperature_fan"):
+        written = [h.strip() for h in section.text("heater", "extruder").split(",")]
+        heaters = [job.heaters[one] for one in written if one in job.heaters]
+        job.put_value((*path, "follows_targets"), section, "heater", [*heaters] or None)
+    elif kind == "temperature_fan":
+        job.put("temperature_fan", section, name=name)
+        section.used.update(("control", "pid_deriv_time"))
+        job.put_value((*path, "max_power"), section, "max_speed", section.number("max_speed"))
+        job.draft.put((*path, "thermostat", "sensor"), name, section.place)
+    elif kind == "fan_generic":
         job.fan_numbers += 1
         put((*path, "number"), job.fan_numbers, section.place)
         text = f"M106 P{job.fan_numbers} sets it"
-        if kind == "fan_generic":
-            job.draft.changed(section.place, f"[{section.name}]", text)
-        else:
-            text = f"it is off until {text}: Passo does not control a fan by a temperature"
-            job.draft.decide(section.place, f"[{section.name}]", text)
-            section.used.update(section.options)
+        job.draft.changed(section.place, f"[{section.name}]", text)
 
 
 def _put_tools(job: Import) -> None:

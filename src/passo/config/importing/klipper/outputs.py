@@ -36,9 +36,31 @@ def put_outputs(job: Import) -> None:
         elif section.kind == "static_digital_output":
             job.part(section, lambda job, section: _put_fixed(job, section, used))
     taken = {path[1] for path in job.draft.keys if path[0] == "heaters"}
+    cooled = {
+        str(value)
+        for path, (value, _) in job.draft.keys.items()
+        if path[0] == "fans" and path[2:] == ("thermostat", "sensor")
+    }
+    for section in job.config.of("temperature_fan"):
+        name = part_name(section.rest)
+        if name in cooled and not job.part(
+            section, lambda job, section, name=name: _put_shown(job, section, name), "its sensor"
+        ):
+            _put_by_number(job, section, name)
+    taken |= cooled
     for section in job.config.of("temperature_sensor"):
         name = _free(part_name(section.rest), taken)
         job.part(section, lambda job, section, name=name: _put_shown(job, section, name))
+
+
+def _put_by_number(job: Import, section: Section, name: str) -> None:
+    """Leaves a fan, whose sensor Passo cannot read, to M106."""
+    thermostat = ("fans", name, "thermostat")
+    job.draft.keys = {k: v for k, v in job.draft.keys.items() if k[:3] != thermostat}
+    job.fan_numbers += 1
+    job.draft.put(("fans", name, "number"), job.fan_numbers, section.place)
+    text = f"the fan is off until M106 P{job.fan_numbers} sets it: Passo cannot read its sensor"
+    job.draft.decide(section.place, f"[{section.name}]", text)
 
 
 def _free(name: str, used: set[str]) -> str:
