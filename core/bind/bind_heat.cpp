@@ -253,7 +253,7 @@ void bind_heater(nb::module_& m) {
       .def_prop_ro("fraction", &held<&Heater::fraction>,
                    "The sensor's last report as a fraction of the ADC's full scale; 0 before the "
                    "first one.")
-      .def_prop_ro("heard", &held<&Heater::heard>,
+      .def_prop_ro("connected", &held<&Heater::connected>,
                    "The sensor has reported, and the link has not been lost since.")
       .def_prop_ro("reported", &held<&Heater::reported>,
                    "Board clock of the sensor's last report; None before the first one.")

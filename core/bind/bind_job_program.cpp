@@ -68,18 +68,18 @@ void bind_job_program(nb::module_& m, JobClass& job) {
           "forget_macros", [](ProgramPart& self) { self.job.interpreter.forget_macros(); },
           "Drops the unread lines of a console's macros.")
       .def(
-          "watch_line", [](ProgramPart& self, uint32_t line) { self.job.interpreter.listen(line); },
-          "line"_a,
+          "watch_line",
+          [](ProgramPart& self, uint32_t line) { self.job.interpreter.watch_line(line); }, "line"_a,
           "Records the commands of this line of the program, see `watched_line`. Call it before "
           "the line is "
           "read.")
       .def_prop_ro(
           "watched_line",
           [](const ProgramPart& self) {
-            const Heard& heard = self.job.interpreter.heard();
+            const WatchedLine& watched = self.job.interpreter.watched_line();
             std::vector<std::tuple<std::string, std::vector<std::string>, std::string>> commands;
-            for (const auto& c : heard.commands) commands.emplace_back(c.code, c.words, c.text);
-            return std::make_tuple(heard.number, heard.checked, commands);
+            for (const auto& c : watched.commands) commands.emplace_back(c.code, c.words, c.text);
+            return std::make_tuple(watched.number, watched.checked, commands);
           },
           "(number, whether it had a checksum, [(code, words, text), …]) of the line given to "
           "watch_line. The code is empty for a move with the modal code of the last one. The text "

@@ -127,7 +127,7 @@ void bind_link(nb::module_& m) {
            "Sets the ticks that a byte takes on a serial line.")
       .def_prop_ro("synchronous", &held<&Link::synchronous>)
       .def_prop_ro("lost", &held<&Link::lost>)
-      .def_prop_ro("begun_anew", &held<&Link::begun_anew>,
+      .def_prop_ro("restarted", &held<&Link::restarted>,
                    "The board has restarted, after a reset or a power failure.")
       .def(
           "clock_at",
@@ -226,7 +226,7 @@ void bind_link(nb::module_& m) {
            "The board has continued without this host: messages on their way are dropped, and the "
            "job is paused until go_on().")
       .def_prop_ro(
-          "told", &held<&Link::told>,
+          "acknowledged", &held<&Link::acknowledged>,
           "The board has all commands. Their immediate answers have been received, or are lost.")
       .def("unheard_s", &held<&Link::unheard_s, Ticks>, "clock"_a,
            "Age in seconds of the oldest message that the board has not acknowledged, when its "

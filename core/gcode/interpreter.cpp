@@ -49,7 +49,7 @@ Found Interpreter::next() {
       continue;
     }
     if (end - p > 3 && (p[0] == 'G') && (p[1] == '1' || p[1] == '0') && p[2] == ' ' &&
-        !listening() && ended_line_ == 0) {
+        !watching() && ended_line_ == 0) {
       Found found = fast_move(p + 3, end, p[1] == '0');
       if (found == Found::move) return found;
       if (found == Found::end) continue;

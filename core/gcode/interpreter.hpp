@@ -77,9 +77,9 @@ class Interpreter {
   void hand_over_macro(Interpreter& mine);
   // Drops the rest of a console's macros.
   void forget_macros() { frames_[1].clear(); }
-  // Records how the program's line of this number is interpreted, see heard().
-  void listen(uint32_t line) { listened_ = line; }
-  const Heard& heard() const { return heard_; }
+  // Records how the program's line of this number is interpreted, see watched_line().
+  void watch_line(uint32_t line) { watched_ = line; }
+  const WatchedLine& watched_line() const { return watched_line_; }
   // Commands read so far, unknown ones too.
   uint64_t commands() const { return commands_; }
   uint64_t arcs() const { return arcs_; }
@@ -329,11 +329,11 @@ class Interpreter {
   double arc_hop_ = 0;      // hop_ where it begins
   std::string text_;        // of the line, comments removed
   std::vector<Word> words_;
-  uint32_t listened_ = 0, moved_line_ = 0;
+  uint32_t watched_ = 0, moved_line_ = 0;
   uint32_t ended_line_ = 0;  // of the program: zero bytes or a Ctrl-Z end its text here; 0: they do
                              // not
   bool ended_by_zero_ = false;
-  Heard heard_;
+  WatchedLine watched_line_;
   uint64_t commands_ = 0;
   std::vector<Frame> frames_[2];  // of the program, of the console
   uint32_t idle_calls_ = 0;
@@ -369,7 +369,7 @@ class Interpreter {
   }
   // Moves of the line must be taken before its next word.
   bool unfinished() const { return !pending_.empty() || arc_.active() || cycle_.active(); }
-  bool listening() const { return number() == listened_ && !source_ && !in_macro(); }
+  bool watching() const { return number() == watched_ && !source_ && !in_macro(); }
   const std::string& axis_name(int j) const {
     return machine_->axes[size_t(j < 3 ? j : j - kExtra + 3)].name;
   }

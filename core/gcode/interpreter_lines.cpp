@@ -12,7 +12,7 @@
 namespace passo {
 
 void Interpreter::run_line(const char* p, const char* end) {
-  if (listening()) heard_ = Heard();  // a line of a sub-program may come again
+  if (watching()) watched_line_ = WatchedLine();  // a line of a sub-program may come again
   if (!source_ && frames_[0].empty() && ends_text(p, end)) return;
   while (p < end && std::isspace(uint8_t(*p))) ++p;
   while (end > p && std::isspace(uint8_t(end[-1]))) --end;
@@ -36,7 +36,7 @@ void Interpreter::run_line(const char* p, const char* end) {
         const char* s = text.data() + star + 1;
         double given;
         if (read_number(s, text.data() + text.size(), given) && given == sum && nothing_left(s)) {
-          heard_.checked |= listening();
+          watched_line_.checked |= watching();
           text.resize(star);
           q = text.data();
           after = q + 1;
@@ -45,7 +45,7 @@ void Interpreter::run_line(const char* p, const char* end) {
           return fail(Fault::checksum, text.substr(star), sum, 0);
         }
       }
-      if (listening()) heard_.number.assign(q + 1, after);
+      if (watching()) watched_line_.number.assign(q + 1, after);
       text.erase(0, size_t(after - q));
       while (!text.empty() && std::isspace(uint8_t(text[0]))) text.erase(0, 1);
     }
@@ -264,14 +264,14 @@ void Interpreter::find_built_in() {
 void Interpreter::hear(std::string_view code, const Word* first, const Word* last,
                        std::string_view text) {
   ++commands_;
-  if (!listening()) return;
+  if (!watching()) return;
   std::vector<std::string> words;
   for (; first < last; ++first)
     words.push_back(
         readable(std::string_view(text_).substr(first->begin, first->end - first->begin)));
   while (!text.empty() && std::isspace(uint8_t(text.front()))) text.remove_prefix(1);
   while (!text.empty() && std::isspace(uint8_t(text.back()))) text.remove_suffix(1);
-  heard_.commands.push_back(
+  watched_line_.commands.push_back(
       {readable(code.substr(0, kMaxNameBytes)), std::move(words), readable(text)});
 }
 

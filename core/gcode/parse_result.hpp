@@ -58,7 +58,7 @@ struct GcodeError {
 
 // A line as the interpreter has read it: its number, whether it had a checksum, and its commands in
 // order.
-struct Heard {
+struct WatchedLine {
   struct Command {
     std::string code;  // as the dialect writes it; empty: a move with the modal code of the last
                        // one

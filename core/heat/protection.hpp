@@ -69,12 +69,12 @@ class Protection {
     time_ += s.dt;
     Fault fault = range(s);
     if (outside_ > 0)
-      return told(fault, s);  // this reading is not a temperature: the next report decides
+      return reported(fault, s);  // this reading is not a temperature: the next report decides
     if (fault.kind == FaultKind::none) fault = jumps(s);
     if (fault.kind == FaultKind::none) fault = way_up(s);
     if (fault.kind == FaultKind::none) fault = switched_off(s);
     if (fault.kind == FaultKind::none) fault = deviation(s);
-    return told(fault, s);
+    return reported(fault, s);
   }
 
  private:
@@ -94,7 +94,7 @@ class Protection {
   double off_since_ = 0, coldest_ = 0, coldest_at_ = 0;
   double deviating_since_ = 0;
 
-  Fault told(Fault fault, const Sight& s) {
+  Fault reported(Fault fault, const Sight& s) {
     fault.celsius = s.celsius;
     before_ = s.celsius;
     known_ = true;

@@ -56,8 +56,8 @@ Ticks ClockSync::host_at(Ticks clock) const {
   return origin_time_ + Ticks(std::ceil(last_time_ + along));
 }
 
-void ClockSync::take(double asked, double heard, double clock) {
-  const Span now{asked, {asked, clock}, {heard, clock}};
+void ClockSync::take(double asked, double received, double clock) {
+  const Span now{asked, {asked, clock}, {received, clock}};
   while (!spans_.empty() && spans_.front().begin < asked - kMemorySeconds * hz_) spans_.pop_front();
   if (spans_.empty()) prior_ = rate_;
   if (spans_.empty() || asked >= spans_.back().begin + kSpanSeconds * hz_) {
@@ -66,7 +66,7 @@ void ClockSync::take(double asked, double heard, double clock) {
     Span& last = spans_.back();
     auto offset = [this](const Point& p) { return p.clock - p.time * rate_; };
     if (offset(now.read) < offset(last.read)) last.read = now.read;
-    if (offset(now.heard) > offset(last.heard)) last.heard = now.heard;
+    if (offset(now.received) > offset(last.received)) last.received = now.received;
   }
   last_time_ = asked;
   find_rate();
@@ -82,10 +82,10 @@ void ClockSync::take(double asked, double heard, double clock) {
 ClockSync::Corridor ClockSync::corridor(double rate) const {
   Corridor c;
   for (const Span& s : spans_) {
-    double read = s.read.time - last_time_, heard = s.heard.time - last_time_;
-    double upper = s.read.clock - read * rate, lower = s.heard.clock - heard * rate;
+    double read = s.read.time - last_time_, received = s.received.time - last_time_;
+    double upper = s.read.clock - read * rate, lower = s.received.clock - received * rate;
     if (upper < c.upper) c.upper = upper, c.read = read;
-    if (lower > c.lower) c.lower = lower, c.heard = heard;
+    if (lower > c.lower) c.lower = lower, c.received = received;
   }
   return c;
 }
@@ -94,7 +94,7 @@ ClockSync::Tangent ClockSync::tangent(double rate, bool above) const {
   const Corridor c = corridor(rate);
   const double held = kPriorSeconds * hz_;
   return {rate, c.upper - c.lower - held * std::fabs(rate - prior_),
-          c.heard - c.read + (above ? -held : held)};
+          c.received - c.read + (above ? -held : held)};
 }
 
 void ClockSync::find_rate() {

@@ -79,7 +79,7 @@ class ClockSync {
   // answer that was received.
   struct Span {
     double begin;
-    Point read, heard;
+    Point read, received;
   };
 
   double hz_;
@@ -89,12 +89,12 @@ class ClockSync {
   double last_time_ = 0, value_ = 0;  // the line goes through this point
   double rate_ = 1, prior_ = 1, shortest_trip_ = 0, usual_excess_ = 0;
 
-  void take(double asked, double heard, double clock);
+  void take(double asked, double received, double clock);
   // The corridor at a rate: its bounds at last_time_, and the points that define them.
   struct Corridor {
     double upper = std::numeric_limits<double>::max();
     double lower = std::numeric_limits<double>::lowest();
-    double read = 0, heard = 0;  // times of the points, since last_time_
+    double read = 0, received = 0;  // times of the points, since last_time_
   };
   Corridor corridor(double rate) const;
   // The score of a rate, and the derivative of the score by rate; at prior_, where it has a kink,

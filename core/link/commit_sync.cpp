@@ -35,7 +35,7 @@ double Timeline::clock_at(double host, double hz) const {
 void Timeline::arm(std::vector<Member> members, uint32_t reason, uint32_t expired, double clock,
                    double patience) {
   std::lock_guard lock(guard_);
-  for (Member& m : members) m.heard = clock;
+  for (Member& m : members) m.reported = clock;
   groups_.push_back({std::move(members), reason, expired, patience});
 }
 
@@ -44,7 +44,8 @@ void Timeline::disarm() {
   groups_.clear();
 }
 
-void Timeline::heard(size_t seat, uint32_t oid, bool can_trigger, uint32_t reason, double clock) {
+void Timeline::reported(size_t seat, uint32_t oid, bool can_trigger, uint32_t reason,
+                        double clock) {
   std::lock_guard lock(guard_);
   for (Group& group : groups_)
     for (Member& member : group.members)
@@ -103,12 +104,12 @@ void Timeline::trigger(Group& group, const Member& by, uint32_t reason) {
 
 void Timeline::put_off(Group& group, Member& by, double clock) {
   auto earliest = [&] {
-    double first = group.members[0].heard;
-    for (const Member& m : group.members) first = std::min(first, m.heard);
+    double first = group.members[0].reported;
+    for (const Member& m : group.members) first = std::min(first, m.reported);
     return first;
   };
   double before = earliest();
-  by.heard = std::max(by.heard, clock);
+  by.reported = std::max(by.reported, clock);
   if (group.over || earliest() <= before) return;
   for (const Member& m : group.members) post(m, {m.oid, false, 0, earliest() + group.patience});
 }

@@ -27,7 +27,7 @@ class Timeline {
   struct Member {
     size_t seat;
     uint32_t oid;
-    double heard = 0;  // clock of the main board at its last report
+    double reported = 0;  // clock of the main board at its last report
   };
 
   // Returns the number of a link's mail.
@@ -49,7 +49,7 @@ class Timeline {
            double patience);
   void disarm();
   // A board's report of a trsync, made at a clock of the main board.
-  void heard(size_t seat, uint32_t oid, bool can_trigger, uint32_t reason, double clock);
+  void reported(size_t seat, uint32_t oid, bool can_trigger, uint32_t reason, double clock);
   std::vector<Order> take_mail(size_t seat);
 
   // From now on motion comes in commits; there is no commit yet. Call it before any motion is sent.

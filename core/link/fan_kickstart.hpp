@@ -18,7 +18,7 @@ class Kick {
   uint32_t asked() const { return asked_; }
   // The value of the fan at `clock`, before end(), if `asked` is requested and the fan has `value`.
   // Only 0 and values above `full` end a kickstart.
-  uint32_t told(uint32_t asked, uint32_t value, Ticks clock) {
+  uint32_t value_at(uint32_t asked, uint32_t value, Ticks clock) {
     bool goes_on = end_ != kNever, starts = value == 0 || asked > uint64_t(value) + rise_;
     asked_ = asked;
     recent_ = asked > 0 && asked < full_ && (goes_on || starts);

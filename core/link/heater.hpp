@@ -74,7 +74,7 @@ class Heater {
   // The sensor's last report as a fraction of full scale; 0 before the first one.
   double fraction() const { return fraction_; }
   // The sensor has reported since the last loss of the link.
-  bool heard() const { return clock_.has_value(); }
+  bool connected() const { return clock_.has_value(); }
   // Board clock of the last report, also after a loss of the link.
   std::optional<Ticks> reported() const { return reported_; }
   double target() const { return target_; }

@@ -58,7 +58,7 @@ Ticks JobStream::renew_at() const {
   Ticks next = kNever;
   if (!renews_ || !running_) return next;
   for (const Pin& pin : pins_)
-    if (pin.longest > 0 && pin.value > 0) next = std::min(next, pin.told + pin.longest / 2);
+    if (pin.longest > 0 && pin.value > 0) next = std::min(next, pin.sent_at + pin.longest / 2);
   return next;
 }
 
@@ -66,10 +66,10 @@ Bytes JobStream::renew(Ticks now) {
   Bytes payload;
   if (renew_at() > now) return payload;
   for (Pin& pin : pins_) {
-    if (pin.longest == 0 || pin.value == 0 || now < pin.told + pin.longest / 2) continue;
-    pin.told = std::max(pin.told + 1, now + 2 * quantum_);
+    if (pin.longest == 0 || pin.value == 0 || now < pin.sent_at + pin.longest / 2) continue;
+    pin.sent_at = std::max(pin.sent_at + 1, now + 2 * quantum_);
     uint8_t buffer[kMaxCommandBytes];
-    payload.assign(buffer, put_value(buffer, pin, pin.told, pin.value));
+    payload.assign(buffer, put_value(buffer, pin, pin.sent_at, pin.value));
     break;
   }
   return payload;
@@ -91,7 +91,7 @@ void JobStream::start(Ticks base) {
   staged_ = kNever;
   for (Pin& pin : pins_) {
     pin.kick.forget();
-    pin.told = 0;  // the board may have restarted
+    pin.sent_at = 0;  // the board may have restarted
   }
   running_ = true;
 }
@@ -130,14 +130,14 @@ JobStream::Fill JobStream::fill(uint8_t* payload, size_t& size, Ticks& first, Ti
     const Ticks next = queue.empty() ? kNever : due(queue.front());
     if (Pin* pin = kicks_ ? kicked_until(std::min(next, limit) + base_) : nullptr) {
       if (ends_.size() >= slots_ && !free_slots(now)) break;
-      Ticks clock = std::max({pin->kick.end(), pin->told + 1, now + 2 * quantum_});
+      Ticks clock = std::max({pin->kick.end(), pin->sent_at + 1, now + 2 * quantum_});
       uint8_t* end = put_value(payload + size, *pin, clock, pin->kick.asked());
       if (size_t(end - payload) > kPayloadMax) return Fill::full;
       size = size_t(end - payload);
       first = std::min(first, clock);
       need = std::min(need, clock);
       ends_.push_back(clock);
-      pin->tell(clock, pin->kick.asked());
+      pin->sent(clock, pin->kick.asked());
       pin->kick.over();
       continue;
     }
@@ -157,13 +157,13 @@ JobStream::Fill JobStream::fill(uint8_t* payload, size_t& size, Ticks& first, Ti
     if (m.kind == MessageKind::pin) {
       Pin& pin = pins_[m.target];
       // The end of a kickstart, and renewed values, have clocks of their own.
-      const Ticks clock = std::max(m.clock + base_, pin.told);
+      const Ticks clock = std::max(m.clock + base_, pin.sent_at);
       Kick kick = pin.kick;
-      uint32_t value = kick.told(m.interval, pin.value, clock);
+      uint32_t value = kick.value_at(m.interval, pin.value, clock);
       end = put_value(payload + size, pin, clock, value);
       if (size_t(end - payload) > kPayloadMax) return Fill::full;
       pin.kick = kick;
-      pin.tell(clock, value);
+      pin.sent(clock, value);
     } else {
       end = encode(m, payload + size);
       if (word == Word::and_ask) end = put(end, query_);

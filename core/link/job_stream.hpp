@@ -120,9 +120,9 @@ class JobStream {
     Ticks longest;
     Kick kick{};
     uint32_t value = 0;
-    Ticks told = 0;  // board clock of the last command
+    Ticks sent_at = 0;  // board clock of the last command
 
-    void tell(Ticks clock, uint32_t what) { told = clock, value = what; }
+    void sent(Ticks clock, uint32_t what) { sent_at = clock, value = what; }
   };
 
   Ticks horizon_, quantum_, margin_;

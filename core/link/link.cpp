@@ -134,7 +134,7 @@ void Link::restart() {
   open_size_ = 0;
   open_first_ = open_need_ = kNever;
   holds_question_ = holds_command_ = asked_ = shut_down_ = false;
-  holds_query_ = queried_ = begun_anew_ = false;
+  holds_query_ = queried_ = restarted_ = false;
 }
 
 void Link::reconnect() {
@@ -145,7 +145,7 @@ void Link::reconnect() {
   configured_ = false;  // an estimate: opening a port resets many boards
 }
 
-bool Link::told() const {
+bool Link::acknowledged() const {
   return stop_.empty() && now_queue_.empty() && !holds_command_ && window_.acked() > last_command_;
 }
 
@@ -181,7 +181,7 @@ bool Link::feed(const uint8_t* data, size_t n, Ticks now) {
       data, n,
       [&](uint8_t sequence, const uint8_t* payload, size_t size) {
         if (is_starting(payload, size)) return started();
-        if (begun_anew_ || !window_.acknowledge(sequence, size == 0, now) || size == 0) return;
+        if (restarted_ || !window_.acknowledge(sequence, size == 0, now) || size == 0) return;
         receive(payload, size, now);
         waited = true;
       },
@@ -198,7 +198,7 @@ void Link::cable_full(Ticks now) {
 }
 
 Ticks Link::poll(Ticks now, Bytes& out) {
-  if (begun_anew_) return due_ = kNever;
+  if (restarted_) return due_ = kNever;
   size_t before = out.size();
   if (timeline_ && timeline_->halted() && !shut_down_ && !std::exchange(halted_, true))
     send("emergency_stop", {});
@@ -384,7 +384,7 @@ inline bool Link::is_starting(const uint8_t* payload, size_t size) const {
 
 void Link::started() {
   if (!configured_) return window_.restart();  // otherwise it gets the reset command again
-  begun_anew_ = true;
+  restarted_ = true;
   job_.stop();
   if (timeline_) timeline_->lost();
 }
@@ -431,7 +431,7 @@ void Link::take_trsync(const std::vector<Value>& values) {
   int64_t v[4];
   for (size_t i = 0; i < 4; ++i) v[i] = std::get<int64_t>(values.at(i));
   Ticks clock = main_clock(sync_.unwrap(uint32_t(v[3])));
-  timeline_->heard(seat_, uint32_t(v[0]), v[1] != 0, uint32_t(v[2]), double(clock));
+  timeline_->reported(seat_, uint32_t(v[0]), v[1] != 0, uint32_t(v[2]), double(clock));
 }
 
 inline void Link::take_clock(bool uptime, const std::vector<Value>& values, Ticks answered) {
@@ -443,13 +443,13 @@ inline void Link::take_clock(bool uptime, const std::vector<Value>& values, Tick
   if (window_.opening(question_)) return;
   // For a repeated frame it is unknown which copy was answered, but no copy was answered before the
   // first one was sent. Only that bound is used for the clock.
-  Ticks heard = window_.sent_at(question_) + on_the_line(window_.length(question_));
-  answered = std::max(answered, heard);
+  Ticks received = window_.sent_at(question_) + on_the_line(window_.length(question_));
+  answered = std::max(answered, received);
   if (uptime)
-    sync_.start(std::get<int64_t>(values.at(0)) << 32 | std::get<int64_t>(values.at(1)), heard,
+    sync_.start(std::get<int64_t>(values.at(0)) << 32 | std::get<int64_t>(values.at(1)), received,
                 answered);
   else if (sync_.ready())
-    sync_.add(uint32_t(std::get<int64_t>(values.at(0))), heard, answered);
+    sync_.add(uint32_t(std::get<int64_t>(values.at(0))), received, answered);
   ++samples_;
   woke_ = kNever;  // the estimate of the clock is better now
   if (timeline_) follow_timeline(answered);

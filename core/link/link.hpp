@@ -56,10 +56,10 @@ class Link {
   bool synchronous() const { return sync_.ready(); }
   const ClockSync& clock() const { return sync_; }
   // True if the board has not answered for about four seconds, or has restarted.
-  bool lost() const { return lost_ || begun_anew_; }
+  bool lost() const { return lost_ || restarted_; }
   // The board reported `starting`: after a reset or a power failure it rebooted and lost its
   // configuration. Nothing is sent to it until it is connected again.
-  bool begun_anew() const { return begun_anew_; }
+  bool restarted() const { return restarted_; }
 
   // This link's board is one of several. The main board's clock is that of the timeline. The steps
   // of a further board may miss their times by `tolerance` additional ticks.
@@ -104,7 +104,7 @@ class Link {
   void reconnect();
   // The board has all commands that were sent at once. Their immediate answers have arrived, or are
   // lost.
-  bool told() const;
+  bool acknowledged() const;
   // Age in seconds of the oldest message that the board has not acknowledged, when its clock reads
   // `clock`; 0 if there is none.
   double unheard_s(Ticks clock) const;
@@ -183,7 +183,7 @@ class Link {
   bool lost_ = false;
   int32_t clock_id_ = -1000, uptime_id_ = -1000, analog_id_ = -1000, converter_id_ = -1000,
           shutdown_id_ = -1000, is_shutdown_id_ = -1000, trsync_id_ = -1000, starting_id_ = -1000;
-  bool configured_ = false, begun_anew_ = false;
+  bool configured_ = false, restarted_ = false;
   int32_t survive_id_ = -1000;
   static constexpr int64_t kBraking = 4;   // from this survive_state on, the board acts alone
   bool alone_ = false, long_ago_ = false;  // the board has not reported for a time

@@ -59,7 +59,7 @@ void Retimer::tail(const Message& m) {
     return ready_.push(moved);
   }
   way.turning |= way.dir != m.dir;
-  moved.end_clock = way.told + m.span(m.count);
+  moved.end_clock = way.planned + m.span(m.count);
   steps(moved, way);
 }
 
@@ -67,7 +67,7 @@ void Retimer::steps(const Message& m, Way& motor) {
   const Apart& apart_of = motors_[m.target].apart;
   const bool moves = m.kind == MessageKind::queue_step;
   const int64_t count = m.count, start = m.start();
-  motor.told = m.end_clock;
+  motor.planned = m.end_clock;
   motor.dir = m.dir;
   if (map_.whole() && motor.last == clock_of(start)) {
     Message same = m;

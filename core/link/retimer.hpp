@@ -45,13 +45,13 @@ class Retimer {
  private:
   // Of a motor, up to its last step.
   struct Way {
-    int64_t told = 0;  // clock of that step on the timeline
-    int64_t last = 0;  // and on this board
+    int64_t planned = 0;  // clock of that step on the timeline
+    int64_t last = 0;     // and on this board
     bool turning = false;
     uint8_t dir = 0;
 
     void begin(int64_t at, int64_t here) {
-      told = at;
+      planned = at;
       last = here;
     }
   };

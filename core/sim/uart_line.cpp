@@ -42,7 +42,7 @@ void UartLine::run(Ticks clock) {
     if (!level_)
       restart();
     else if (bytes_.size() == (write ? 8u : 4u))
-      heard(end);
+      received(end);
   }
 }
 
@@ -65,7 +65,7 @@ void UartLine::restart() {
   bit_ = 0;
 }
 
-void UartLine::heard(Ticks end) {
+void UartLine::received(Ticks end) {
   answer_ = serial(ask(bytes_));
   answer_bit_ = bit_;
   answer_start_ = end + Ticks(delay_ * bit_);

@@ -46,7 +46,7 @@ class UartLine {
   int delay_ = 0;  // of the last answer, bits
 
   void restart();
-  void heard(Ticks end);
+  void received(Ticks end);
   Bytes ask(const Bytes& bytes);
   static std::vector<bool> serial(const Bytes& bytes);
 };

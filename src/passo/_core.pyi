@@ -324,7 +324,7 @@ class Heater:
         """
 
     @property
-    def heard(self) -> bool:
+    def connected(self) -> bool:
         """The sensor has reported, and the link has not been lost since."""
 
     @property
@@ -588,7 +588,7 @@ class Link:
     def lost(self) -> bool: ...
 
     @property
-    def begun_anew(self) -> bool:
+    def restarted(self) -> bool:
         """The board has restarted, after a reset or a power failure."""
 
     def clock_at(self, host_ticks: int) -> int: ...
@@ -660,7 +660,7 @@ class Link:
         """
 
     @property
-    def told(self) -> bool:
+    def acknowledged(self) -> bool:
         """
         The board has all commands. Their immediate answers have been received, or are lost.
         """

@@ -474,7 +474,7 @@ def test_emergency_stop_is_first_after_lost_link():
     wire.run(wire.now + 2 * MS)
     assert bench.device.fault
     wire.run(wire.now + 220 * MS)  # between two questions for the clock
-    assert bench.link.told
+    assert bench.link.acknowledged
 
 
 def test_messages_not_yet_sent_can_be_revoked():

@@ -206,7 +206,7 @@ class Boards:
         first = min(stopped, key=lambda c: c.link.stopped_with_others)
         if first.link.stopped_with_others:
             for connection in self.connections:
-                if connection.link.begun_anew or connection.link.lost:
+                if connection.link.restarted or connection.link.lost:
                     raise connection.silence("get_clock")
         raise first.shutdown_error()
 

@@ -147,7 +147,7 @@ class Drivers:
         """Handles the answers of the drivers, and sends the next questions. Lets no time pass."""
         if self.idle:
             return
-        told = self._connection.link.told  # read before the answers are
+        acknowledged = self._connection.link.acknowledged  # read before the answers are
         answers: dict[int, bytes] = {}
         for _, values in self._connection.take_responses(*_ANSWERS):
             data = values.get("read", values.get("response"))
@@ -156,13 +156,13 @@ class Drivers:
         now = self._connection.now
         for oid, line in self._lines.items():
             if line.talks:
-                self._go_on(line, answers.get(oid), now, told=told)
+                self._go_on(line, answers.get(oid), now, acknowledged=acknowledged)
 
-    def _go_on(self, line: _Line, answer: bytes | None, now: int, *, told: bool) -> None:
+    def _go_on(self, line: _Line, answer: bytes | None, now: int, *, acknowledged: bool) -> None:
         talk = line.talks[0]
         asked = talk.question is not None
         if asked and answer is None:
-            if talk.deadline is None and told:
+            if talk.deadline is None and acknowledged:
                 patience_s = _TIMEOUT_S if line.slow else 0.0
                 talk.deadline = now + int(patience_s * self._connection.wire.hz)
             if talk.deadline is None or now < talk.deadline:

@@ -124,7 +124,7 @@ class Exchange:
                 repeat = until + self.ticks(TIMEOUT_S)
             # A board that is shut down still answers questions.
             self.pass_time(until)
-            lost = self.link.told  # an answer has arrived by now, or is lost
+            lost = self.link.acknowledged  # an answer has arrived by now, or is lost
             found = self._find(answer, same)
             if found is not None:
                 return found
@@ -205,7 +205,7 @@ class Exchange:
     def silence(self, question: str) -> LinkLostError:
         """The error of a board that has left a question unanswered, perhaps because it has
         restarted."""
-        reset = self.link.begun_anew
+        reset = self.link.restarted
         return BoardResetError(self.name) if reset else BoardSilentError(self.named(question))
 
     def shutdown_error(self) -> MachineError:

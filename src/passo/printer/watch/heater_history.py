@@ -44,7 +44,7 @@ class HeaterHistory:
         """The current state of the heaters, from the last reports."""
         return {
             name: HeaterSample(
-                heater.celsius if heater.heard else None,
+                heater.celsius if heater.connected else None,
                 heater.target,
                 heater.power,
                 heater.fault is not None,
