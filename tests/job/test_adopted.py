@@ -149,3 +149,36 @@ def test_step_origin_is_recorded_while_print_is_paused(places):
         after = journal_of(state)[1].origins
         assert after["x"] - before["x"] == pytest.approx(3 * 80, abs=2)
         assert after == before | {"x": after["x"]}
+
+
+def interrupted(places, begin) -> tuple[Scenario, float]:
+    """A print of these first lines that has come to the eighth move, and where the nozzle is by the
+    program less where it is, in X."""
+    text = f"M302 P1\n{begin}\n" + PRINT.partition("Z1 F6000\n")[2]
+    (Path(places["card"]) / "a.g").write_text(text)
+    s = Scenario(MACHINE, **places)
+    s.host.ok("M32 a.g")
+    job, queue = s.printer.rig.job, s.printer.rig.queue
+    eighth = text[: text.index("Y41.75")].count("\n")
+    assert s.until(lambda: job.history.line_at(queue.now) >= eighth, 60)
+    return s, job.history.position_at(queue.now)[0] - s.positions()["x"]
+
+
+SET = ["G92 X40 Y40 Z1", "G28\nG1 X10 Y10 F6000\nM84\nG92 X40 Y40 Z1"]
+
+
+def test_position_that_g92_has_set_is_that_of_the_resumed_print(monkeypatch, places):
+    s, offset = interrupted(places, SET[0])
+    with next_host(monkeypatch, killed(s), places) as s:
+        assert printed_on(s)["x"] == pytest.approx(60 - offset, abs=0.02)
+
+
+@pytest.mark.parametrize("begin", SET)
+def test_position_that_g92_has_set_is_lost_in_a_power_cut(places, begin):
+    s, _ = interrupted(places, begin)
+    s.__exit__()
+    with Scenario(MACHINE, **places) as s:
+        before = s.positions()
+        s.host.send("M1000")
+        s.host.expect("a.g: set the position of X, Y by G92, without homing", 20)
+        assert s.positions() == before

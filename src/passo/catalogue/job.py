@@ -52,6 +52,12 @@ JOB: Mapping[str, Entry] = {
         " file cannot be found",
         "Restore the macros as they were, then send M1000",
     ),
+    "job.never-homed": bad_input(
+        "job",
+        "set the position of {value} by G92, without homing; that position is lost since the"
+        " interruption",
+        "Forget the print (M1000 C)",
+    ),
     "job.no-part": bad_input(
         "job",
         "needs {value}, which is missing from the machine file",

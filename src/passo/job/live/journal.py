@@ -49,11 +49,11 @@ def crc_of_macros(machine: MachineConfig) -> int:
 class Program:
     """The file that is being printed: its path on the card, and marks to recognise it. It also has
     the state at the start of the print: commands for the `settings` and the `modes` of the printer,
-    the machine positions of all axes, the offset of the active tool and whether it is applied, and
-    the program positions including E. `changes` are the later changes of settings and modes by
-    consoles, each with the number of bytes of the file that were read before it. `macros` is the
-    `crc_of_macros` of the machine. `allow` are the fields of Skips that were allowed for this
-    print."""
+    the machine positions of all axes, the offset of the active tool and whether it is applied, the
+    program positions including E, and the axes, by number, that were not homed. `changes` are the
+    later changes of settings and modes by consoles, each with the number of bytes of the file that
+    were read before it. `macros` is the `crc_of_macros` of the machine. `allow` are the fields of
+    Skips that were allowed for this print."""
 
     machine: str
     path: str
@@ -63,6 +63,7 @@ class Program:
     modes: list[str] = field(default_factory=list[str], compare=False)
     machine_mm: list[float] = field(default_factory=list[float], compare=False)
     program_mm: list[float] = field(default_factory=list[float], compare=False)
+    unhomed: list[int] = field(default_factory=list[int], compare=False)
     changes: list[Change] = field(default_factory=list[Change], compare=False)
     macros: int = field(default=0, compare=False)
     allow: list[str] = field(default_factory=list[str], compare=False)
@@ -87,6 +88,7 @@ class Program:
             modes=job.modes.gcode.split("\n"),
             machine_mm=[job.machine_position[slot_of_axis(i)] + due[i] for i in range(axes)],
             program_mm=job.program_position,
+            unhomed=job.locked_axes,
             macros=crc_of_macros(control.machine),
         )
 

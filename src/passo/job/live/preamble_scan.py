@@ -60,7 +60,8 @@ class PreambleScan:
     the printer and the state at the start of the print, and applies the later changes by consoles.
     `job` has the position and the modal state at the end. `settings` are commands for the printer
     settings that the program has changed, without home offsets; `homed_mm` are the home offsets at
-    the last homing, `home_offset_mm` those at the end. Raises CardError."""
+    the last homing, `home_offset_mm` those at the end. `unhomed` are the axes at the end whose
+    position only a command has set, not an endstop. Raises CardError."""
 
     def __init__(
         self,
@@ -85,8 +86,11 @@ class PreambleScan:
         self.home_offset_mm = dict(self._motion.offsets.home_mm)
         self.homed_mm = dict(self.home_offset_mm)
         self._known = set[str]()  # axes that were homed, and whose motors have been on since
+        self._order = axis_order(machine.axes)
+        self.unhomed = {self._order[axis] for axis in program.unhomed}
         self._reads = False  # the settings of the printer are applied
         self._set_up(program)
+        self._lock(self.unhomed)
         self._reads = True
 
         def settle(wait: Wait) -> None:
@@ -183,9 +187,18 @@ class PreambleScan:
             self.settings.append(f"M92 {command.text}" + (f" T{job.tool}" if own else ""))
         elif command.code in ("M18", "M84") and "S" not in words:
             motors = self._outputs.motors
-            self._known -= motors.axes_lost(motors.named(command.text))
+            lost = motors.axes_lost(motors.named(command.text))
+            self._known -= lost
+            if self._control.machine.unhomed_moves == "refuse":
+                self.unhomed |= lost
+                self._lock(lost)
         elif command.code in _OF_PRINTER and words:
             self.settings.append(f"{command.code} {command.text}")
+
+    def _lock(self, names: set[str]) -> None:
+        """The position of these axes is unknown, so that G92 sets it."""
+        for name in names:
+            self.job.axes.lock(self._order.index(name), True)
 
     def _home(self, letters: str) -> None:
         job, machine = self.job, self._control.machine
@@ -203,6 +216,7 @@ class PreambleScan:
         if names & set(machine.axes_of_arms):
             names |= set(machine.axes_of_arms)
         self._known |= names
+        self.unhomed -= names
         offsets = {n: mm for n, mm in self.home_offset_mm.items() if n in names}
         self.homed_mm |= offsets
         if goes_back:

@@ -76,7 +76,7 @@ class Recovery:
         for line in past.settings:
             control.dispatch.take_setting(line, NullReply())
         self._motion.offsets.home_mm |= past.homed_mm
-        await self._lift_and_home()
+        await self._lift_and_home(past.unhomed)
         self._motion.offsets.home_mm |= past.home_offset_mm
         await self._warm(past.commands.outputs.fans)
         if state.tool != control.rig.job.tool:
@@ -92,10 +92,12 @@ class Recovery:
         self._motion.offsets.babysteps_mm |= self._moment.babysteps_mm
         return offset
 
-    async def _lift_and_home(self) -> None:
+    async def _lift_and_home(self, unhomed: set[str]) -> None:
         """Lifts and homes. A machine with an independent Z takes Z from the journal, and homes the
         other axes after a lift; a machine whose arms move together homes upwards. Axes that were
-        homed after the interruption, or by an earlier attempt, keep their positions."""
+        homed after the interruption, or by an earlier attempt, keep their positions. Raises
+        CommandError if homing cannot find the position of an axis again, because the print had set
+        it without homing (`unhomed`)."""
         control, machine = self._control, self._control.machine
         raise_mm = machine.park.raise_mm if machine.park else 0.0
         if control.rig.positions.restore(self._moment.origins):
@@ -104,6 +106,9 @@ class Recovery:
             if control.rig.queue.move({Z: min(z + raise_mm, top)}, math.inf):
                 control.rig.queue.flush()
             return
+        found = "xyz" if machine.geometry.lifts_together else "xy"
+        if lost := [name.upper() for name in found if name in unhomed]:
+            raise CommandError.of("job.never-homed", self._program.path, value=", ".join(lost))
         if machine.geometry.lifts_together:
             await self._motion.homer.home("")
             return
