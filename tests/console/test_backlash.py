@@ -40,7 +40,7 @@ def test_m425_sets_and_reports_backlash(tmp_path):
 
 
 REFUSED = {
-    "M425 X-1": "X is -1: expected 0 to 2 mm, and at most S, 3 mm",
+    "M425 X-1": "X is -1: expected 0 to 2 mm",
     "M425 X0.5 S0.2": "X is 0.5: expected 0 to 2 mm, and at most S, 0.2 mm",
     "M425 S0": "S is 0: expected 0.1 to 100 mm",
     "M425 F2": "F is 2: expected 0 to 1",

@@ -32,9 +32,9 @@ def test_modules_that_declare_commands_are_listed():
 
 def test_a_command_is_declared_once():
     with pytest.raises(ValueError, match="M104 is declared twice"):
-        declare(Declaration("M104", Subject.HEATERS, When.PLANNED, "", ""))
+        declare(Declaration("M104", Subject.HEATERS, When.PLANNED, ""))
     row = row_of("M104")
-    assert row is not None and row.parameters == "S(°C) I T P F"
+    assert row is not None and row.usage == "S(°C) I(0 to 2) T P F"
 
 
 def test_lookup_finds_commands_of_modules_not_imported_yet():

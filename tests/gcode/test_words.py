@@ -11,7 +11,8 @@ import pytest
 from passo._core import Fault, Job, JobStatus, split_text, without_exponents
 from passo.errors import WordError
 from passo.gcode.command import Command
-from passo.gcode.registry import ANY, Kind, table
+from passo.gcode.parameters import Form
+from passo.gcode.registry import Kind, table
 
 from .driver import run, spec
 
@@ -172,13 +173,13 @@ def test_an_exponent_where_e_is_not_a_word_of_the_command():
 )
 def test_table_marks_commands_with_a_word_e(row):
     """Text that is not read as words stays as it is."""
-    words = [word.partition("(")[0] for word in row.parameters.split()]
+    words = [name for p in row.parameters if p.form is not Form.IGNORED for name in p.names]
     text = f"{row.code} A1E5"
     plain = without_exponents(text)
-    if row.bare != ANY:
-        stays = row.bare is None or "E" in words or row.code in ("M303", "M306", "M3", "M4", "M5")
+    if not row.takes_anything:
+        stays = row.takes_text or "E" in words or row.code in ("M303", "M306", "M3", "M4", "M5")
         assert plain == (text if stays else f"{row.code} A100000")
-    if row.bare is None:
+    if row.takes_text:
         assert without_exponents(f"{row.code} a1e-05") == f"{row.code} a1e-05"
 
 
@@ -264,7 +265,7 @@ def test_a_word_without_a_number_is_an_error_that_names_it(line, word):
     [
         r
         for r in table().values()
-        if r.kind is Kind.MOTION and r.code not in ("G0", "G1", "T") and r.bare is not None
+        if r.kind is Kind.MOTION and r.code not in ("G0", "G1") and r.code[1:2].isdigit()
     ],
 )
 def test_table_marks_letters_without_a_number(row):
@@ -278,7 +279,7 @@ def test_table_marks_letters_without_a_number(row):
         elif errors != [(4, Fault.NUMBER, letter)]:
             assert errors == []
             alone.add(letter)
-    assert alone == set(row.bare or "") - absent
+    assert alone == {name for name, known in row.by_name.items() if known.alone} - absent
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from passo.gcode.registry import ANY, Declaration, Kind, Subject, table
+from passo.gcode.parameters import Form, shown
+from passo.gcode.registry import Declaration, Kind, Subject, table
 
 _HEAD = """# Commands
 
@@ -196,5 +197,8 @@ def _row(row: Declaration) -> str:
 
 
 def _parameters(row: Declaration) -> str:
-    letters = "any letter" if row.bare == ANY else " ".join(row.bare or "")
-    return "; ".join(filter(None, (row.parameters, letters and f"alone: {letters}")))
+    lines = [f"`{p.usage}` {p.text}".replace("|", "\\|") for p in shown(row.parameters)]
+    for form, says in ((Form.REFUSED, "refused"), (Form.IGNORED, "no effect")):
+        names = " ".join(name for p in row.parameters if p.form is form for name in p.names)
+        lines += [f"{says}: {names}"] if names else []
+    return "<br>".join([*lines, *(["any other letter"] if row.takes_anything else [])])

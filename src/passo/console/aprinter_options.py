@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from passo.console.aprinter_option_table import Option, options
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral, unescaped
+from passo.gcode.parameters import rest
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.printer.wait_requests import NullReply, Reply, Wait, WaitForMoves
 
@@ -50,10 +51,9 @@ class OptionCommands:
         "M925",
         Subject.SETTINGS,
         When.IMMEDIATE,
-        "I(option)",
         "Reports one of APrinter's options.",
+        rest("I(option)", "the name of the option"),
         kind=Kind.QUIET,
-        bare=None,
     )
     def _tell(self, command: Command, reply: Reply) -> Wait | None:
         option, _ = self._named(command)
@@ -64,10 +64,9 @@ class OptionCommands:
         "M926",
         Subject.SETTINGS,
         When.IMMEDIATE,
-        "I(option) V",
         "Notes a new value of an option, without V its first value.",
+        rest("I(option) V(value)", "the name of the option, and its value"),
         kind=Kind.SERVED,
-        bare=None,
     )
     def _note(self, command: Command, _: Reply) -> Wait | None:
         option, text = self._named(command)
@@ -89,7 +88,6 @@ class OptionCommands:
         "M930",
         Subject.SETTINGS,
         When.EXCLUSIVE,
-        "",
         "Applies the options that M926 has noted.",
         kind=Kind.SERVED,
     )

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 from passo.console.session import Session
 from passo.console.upload import Upload
 from passo.errors import CardError, CommandError, PassoError
-from passo.gcode.command import Command, pairs_of, unescaped
+from passo.gcode.command import Command, unescaped
+from passo.gcode.parameters import flag, ignored, integer, number, rest, text
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.job.live.job_state import JobState
 from passo.printer.unfit_commands import ALL
@@ -20,16 +21,15 @@ if TYPE_CHECKING:
     from passo.printer.control import Control
 
 
-_Action = Callable[["CardCommands", str, Reply], None]
+_Action = Callable[["CardCommands", Command, Reply], None]
 
 
 def _guarded(action: _Action) -> Callable[[CardCommands, Command, Reply], None]:
-    """Makes a handler from an action that takes the command's text. A failure, also of the SD card,
-    is reported to the console."""
+    """Makes a handler from an action. A failure, also of the card, is reported to the console."""
 
     def handler(self: CardCommands, command: Command, reply: Reply) -> None:
         try:
-            action(self, command.text, reply)
+            action(self, command, reply)
         except PassoError as error:
             if command.code in ("M23", "M32"):
                 name = _unquoted(command.text)
@@ -54,12 +54,11 @@ class CardCommands:
         "M21",
         Subject.CARD,
         When.IMMEDIATE,
-        "",
         "Mounts the SD card.",
         kind=Kind.QUIET,
     )
     @_guarded
-    def _mount(self, _: str, reply: Reply) -> None:
+    def _mount(self, _: Command, reply: Reply) -> None:
         if not (self._files.mounted and self._runner.engaged):
             self._files.mount()
             self._directory = PurePosixPath("/")
@@ -69,13 +68,12 @@ class CardCommands:
         "M22",
         Subject.CARD,
         When.IMMEDIATE,
-        "",
         "Releases the SD card.",
         kind=Kind.SERVED,
         not_in_files=True,
     )
     @_guarded
-    def _release(self, _: str, reply: Reply) -> None:
+    def _release(self, _: Command, reply: Reply) -> None:
         self._files.release()
         self._directory = PurePosixPath("/")
         reply.say("SD card released")
@@ -106,14 +104,14 @@ class CardCommands:
         "M20",
         Subject.CARD,
         When.IMMEDIATE,
-        "L T, D(directory)",
         "Lists the programs on the SD card, with long names (L) and times (T); D lists one"
         " directory.",
+        rest("L T, D(directory)", "L: long names, T: times, D: one directory"),
         kind=Kind.QUIET,
-        bare=None,
     )
     @_guarded
-    def _list(self, text: str, reply: Reply) -> None:
+    def _list(self, command: Command, reply: Reply) -> None:
+        text = command.text
         if text[:1].upper() == "D":
             directory = self._place(unescaped(text[1:]))
             for entry in self._files.card.list(directory):
@@ -134,15 +132,14 @@ class CardCommands:
         "M23",
         Subject.CARD,
         When.IMMEDIATE,
-        "name, or F(file) D(directory) R",
         "Selects a file to print. D and R select the directory that names count from.",
+        rest("name, or F(file) D(directory) R", "the file, or the directory that names count from"),
         kind=Kind.SERVED,
         not_in_files=True,
-        bare=None,
     )
     @_guarded
-    def _choose(self, text: str, reply: Reply) -> None:
-        self._select(text, reply)
+    def _choose(self, command: Command, reply: Reply) -> None:
+        self._select(command.text, reply)
 
     def _select(self, text: str, reply: Reply) -> bool:
         """Selects a file, or changes the directory; returns True for a file."""
@@ -167,49 +164,47 @@ class CardCommands:
         "M32",
         Subject.CARD,
         When.IMMEDIATE,
-        "name",
         "Selects a file and prints it.",
+        rest("name", "the file"),
         kind=Kind.SERVED,
         not_in_files=True,
-        bare=None,
     )
     @_guarded
-    def _select_and_start(self, text: str, reply: Reply) -> None:
-        if self._select(text, reply):  # a directory cannot be printed
+    def _select_and_start(self, command: Command, reply: Reply) -> None:
+        if self._select(command.text, reply):  # a directory cannot be printed
             self._runner.start()
 
     @command(
         "M24",
         Subject.CARD,
         When.IMMEDIATE,
-        "S(byte) U",
         "Starts the selected file, or resumes after a pause. U1 also starts a file with unknown"
         " commands that may move the machine, or with bed levelling.",
+        integer("S", "the byte at which the print begins", 0),
+        flag("U", "also a file that is refused otherwise"),
+        ignored("T"),
         kind=Kind.SERVED,
         not_in_files=True,
     )
     @_guarded
-    def _start(self, text: str, _: Reply) -> None:
-        words = _numbers(text)
+    def _start(self, command: Command, _: Reply) -> None:
         if self._rig.job.stops.suspended and not self._runner.active:
             return  # a host's print is suspended, so no other print may start
-        if "S" in words and self._runner.state is not JobState.PAUSED:
-            self._runner.seek(int(words["S"]))
-        self._runner.start(skips=ALL if words.get("U") else None)
+        if command.has("S") and self._runner.state is not JobState.PAUSED:
+            self._runner.seek(command.integer("S"))
+        self._runner.start(skips=ALL if command.flag("U") else None)
 
     @command(
         "PAUSE",
         Subject.PRINTS,
         When.IMMEDIATE,
-        "",
         "Pauses the print, as M25. As the command that a macro PAUSE has renamed, it moves nothing:"
         " the macro parks the nozzle.",
         kind=Kind.USER,
-        bare=None,
         in_turn=True,
     )
     @_guarded
-    def _pause_by_name(self, _: str, reply: Reply) -> None:
+    def _pause_by_name(self, _: Command, reply: Reply) -> None:
         replaced = "PAUSE" in self._rig.machine.macro_names
         self._runner.pause(by_file=self._runner.printing_from(reply), by_macro=replaced)
 
@@ -217,26 +212,23 @@ class CardCommands:
         "M25",
         Subject.CARD,
         When.IMMEDIATE,
-        "",
         "Pauses the print: brakes on the path, and parks.",
         kind=Kind.USER,
         in_turn=True,
     )
     @_guarded
-    def _pause(self, _: str, reply: Reply) -> None:
+    def _pause(self, _: Command, reply: Reply) -> None:
         self._runner.pause(by_file=self._runner.printing_from(reply))
 
     @command(
         "RESUME",
         Subject.PRINTS,
         When.IMMEDIATE,
-        "",
         "Ends a pause, as M24.",
         kind=Kind.SERVED,
-        bare=None,
     )
     @_guarded
-    def _resume(self, _: str, reply: Reply) -> None:
+    def _resume(self, _: Command, reply: Reply) -> None:
         """Resumes a print that is paused or has failed at a line. Without one, it does nothing, as
         in Klipper."""
         if self._runner.state in (JobState.PAUSED, JobState.FAILED):
@@ -248,16 +240,15 @@ class CardCommands:
         "SDCARD_PRINT_FILE",
         Subject.PRINTS,
         When.IMMEDIATE,
-        "FILENAME",
         "Selects a file by its path on the card, and prints it.",
+        text("FILENAME", "the path on the card"),
         kind=Kind.SERVED,
         not_in_files=True,
-        bare=None,
     )
     @_guarded
-    def _print_file(self, text: str, reply: Reply) -> None:
+    def _print_file(self, command: Command, reply: Reply) -> None:
         """Prints a file; the path starts at the card's root."""
-        name = pairs_of(text).get("FILENAME", "")
+        name = command.string("FILENAME")
         if not name:
             raise CommandError.of("card.no-name")
         self._files.open(str(PurePosixPath("/") / name))
@@ -268,42 +259,39 @@ class CardCommands:
         "SDCARD_RESET_FILE",
         Subject.PRINTS,
         When.IMMEDIATE,
-        "",
         "No file is selected any more.",
         kind=Kind.SERVED,
         not_in_files=True,
-        bare=None,
     )
     @_guarded
-    def _forget_file(self, _: str, __: Reply) -> None:
+    def _forget_file(self, _: Command, __: Reply) -> None:
         self._runner.release()
 
     @command(
         "SDCARD_LOOP_DESIST",
         Subject.PRINTS,
         When.IMMEDIATE,
-        "",
         "Ends the loops of the file that is printed, after their present round.",
         kind=Kind.SERVED,
         not_in_files=True,
-        bare=None,
     )
     @_guarded
-    def _desist(self, _: str, __: Reply) -> None:
+    def _desist(self, _: Command, __: Reply) -> None:
         self._runner.file.loops.desist()
 
     @command(
         "M26",
         Subject.CARD,
         When.IMMEDIATE,
-        "S(byte)",
         "Sets the byte at which the next start begins; in a pause S0 cancels the print.",
+        integer("S", "the byte", 0, default=0),
+        ignored("T"),
         kind=Kind.SERVED,
         not_in_files=True,
     )
     @_guarded
-    def _seek(self, text: str, _: Reply) -> None:
-        offset = int(_numbers(text).get("S", 0))
+    def _seek(self, command: Command, _: Reply) -> None:
+        offset = command.integer("S")
         if self._runner.state is JobState.PAUSED and offset == 0:
             self._runner.cancel()  # hosts cancel with M25 and M26 S0
             return
@@ -313,20 +301,20 @@ class CardCommands:
         "M27",
         Subject.CARD,
         When.IMMEDIATE,
-        "C S(s)",
         "Reports the progress of the print, with S every S seconds; C reports the name of the"
         " file.",
+        flag("C", "the name of the file"),
+        number("S", "how often; 0: no more", "s"),
         kind=Kind.QUIET,
-        bare="C",
     )
     @_guarded
-    def _progress(self, text: str, reply: Reply) -> None:
-        words = _numbers(text)
-        if text.strip().upper() == "C":
+    def _progress(self, command: Command, reply: Reply) -> None:
+        every_s = command.value("S", None)
+        if command.flag("C"):
             name = self._runner.name
             reply.say(f"Current file: {name}" if name else "Current file: (no file)")
-        elif "S" in words and isinstance(reply, Session):
-            reply.report_every("card", words["S"], lambda: reply.hear(self.progress()))
+        elif every_s is not None and isinstance(reply, Session):
+            reply.report_every("card", every_s, lambda: reply.hear(self.progress()))
         else:
             reply.say(self.progress())
 
@@ -340,29 +328,27 @@ class CardCommands:
         "M28",
         Subject.CARD,
         When.IMMEDIATE,
-        "name",
         "Writes the lines that follow into a file, until M29.",
+        rest("name", "the file"),
         kind=Kind.SERVED,
         not_in_files=True,
-        bare=None,
     )
     @_guarded
-    def _upload(self, text: str, reply: Reply) -> None:
-        self._begin_writing(text, reply, log=False)
+    def _upload(self, command: Command, reply: Reply) -> None:
+        self._begin_writing(command.text, reply, log=False)
 
     @command(
         "M928",
         Subject.CARD,
         When.IMMEDIATE,
-        "name",
         "Writes the lines that follow into a file as M28, and carries them out as well.",
+        rest("name", "the file"),
         kind=Kind.SERVED,
         not_in_files=True,
-        bare=None,
     )
     @_guarded
-    def _log(self, text: str, reply: Reply) -> None:
-        self._begin_writing(text, reply, log=True)
+    def _log(self, command: Command, reply: Reply) -> None:
+        self._begin_writing(command.text, reply, log=True)
 
     def _begin_writing(self, text: str, reply: Reply, *, log: bool) -> None:
         if not isinstance(reply, Session):
@@ -394,13 +380,12 @@ class CardCommands:
         "M29",
         Subject.CARD,
         When.IMMEDIATE,
-        "",
         "Ends the file that is written, and stores it on the SD card.",
+        rest(),
         kind=Kind.SERVED,
-        bare=None,
     )
     @_guarded
-    def _end_upload(self, _: str, reply: Reply) -> None:
+    def _end_upload(self, _: Command, reply: Reply) -> None:
         if not isinstance(reply, Session) or reply.upload is None:
             return
         upload, reply.upload = reply.upload, None
@@ -414,20 +399,19 @@ class CardCommands:
         "M30",
         Subject.CARD,
         When.IMMEDIATE,
-        "name",
         "Deletes a file. In a program it ends the program.",
-        bare=None,
+        rest("name", "the file"),
     )
     @_guarded
-    def _delete(self, text: str, reply: Reply) -> None:
+    def _delete(self, command: Command, reply: Reply) -> None:
         if self._runner.printing_from(reply):
             self._rig.commands.ended = True  # in a program, M30 ends it
             return
         try:
-            path = self._existing(text)
+            path = self._existing(command.text)
             self._files.remove(path)
         except CardError as error:
-            reply.fail(f"Deletion failed, File: {_unquoted(text)}. {error}", error.problems)
+            reply.fail(f"Deletion failed, File: {_unquoted(command.text)}. {error}", error.problems)
             return
         reply.say(f"File deleted:{path.removeprefix('/')}")
 
@@ -435,17 +419,16 @@ class CardCommands:
         "M33",
         Subject.CARD,
         When.IMMEDIATE,
-        "name",
         "Reports the long name of a file; without a name it cancels the print.",
+        rest("name", "the file"),
         kind=Kind.QUIET,
-        bare=None,
     )
     @_guarded
-    def _long_name(self, text: str, reply: Reply) -> None:
-        if not text.strip():
+    def _long_name(self, command: Command, reply: Reply) -> None:
+        if not command.text.strip():
             self._runner.cancel()
             return
-        path = PurePosixPath(self._existing(text))
+        path = PurePosixPath(self._existing(command.text))
         parts = ["/"]
         for part in path.parts[1:]:
             parts.append(self._files.card.find(str(PurePosixPath(*parts, part))).name)
@@ -455,27 +438,25 @@ class CardCommands:
         "M34",
         Subject.CARD,
         When.IMMEDIATE,
-        "",
         "Reports that files are always sorted by name.",
+        rest(),
         kind=Kind.QUIET,
-        bare=None,
     )
     @_guarded
-    def _no_sorting(self, _: str, reply: Reply) -> None:
+    def _no_sorting(self, _: Command, reply: Reply) -> None:
         reply.say("echo:Files are always listed by name")
 
     @command(
         "M36",
         Subject.CARD,
         When.IMMEDIATE,
-        "name",
         "Reports size and time of a file.",
+        rest("name", "the file"),
         kind=Kind.QUIET,
-        bare=None,
     )
     @_guarded
-    def _info(self, text: str, reply: Reply) -> None:
-        path = self._existing(text) if text.strip() else self._runner.path
+    def _info(self, command: Command, reply: Reply) -> None:
+        path = self._existing(command.text) if command.text.strip() else self._runner.path
         if not path:
             raise CommandError.of("job.no-file")
         entry = self._files.card.find(path)
@@ -488,11 +469,9 @@ class CardCommands:
         "CANCEL_PRINT",
         Subject.PRINTS,
         When.IMMEDIATE,
-        "",
         "Cancels the print, as M524. As the command that a macro CANCEL_PRINT has renamed, it waits"
         " until the moves of the macro are done.",
         kind=Kind.SERVED,
-        bare=None,
         in_turn=True,
     )
     def _cancel_by_name(self, _: Command, reply: Reply) -> Wait | None:
@@ -506,18 +485,13 @@ class CardCommands:
         "M524",
         Subject.PRINTS,
         When.IMMEDIATE,
-        "",
         "Cancels the print.",
         kind=Kind.SERVED,
         in_turn=True,
     )
     @_guarded
-    def _cancel(self, _: str, __: Reply) -> None:
+    def _cancel(self, _: Command, __: Reply) -> None:
         self._runner.cancel()
-
-
-def _numbers(text: str) -> dict[str, float]:
-    return Command(0, "", 0, 0, "", text).words()
 
 
 def _unquoted(text: str) -> str:

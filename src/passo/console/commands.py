@@ -8,7 +8,8 @@ from collections.abc import Callable
 from passo.console.session import Session
 from passo.errors import CommandError, ConfigError
 from passo.gcode.command import Command
-from passo.gcode.registry import Kind, Subject, When, command, table
+from passo.gcode.parameters import choice, number, rest, shown, text
+from passo.gcode.registry import Kind, Subject, When, command, row_of, table
 from passo.printer.commands.ranges import beyond
 from passo.printer.commands.reports import Reports
 from passo.printer.commands.temperature_report import TemperatureReport
@@ -38,7 +39,6 @@ class ConsoleCommands:
         "M108",
         Subject.STOPS,
         When.AHEAD,
-        "",
         "Cancels the current wait.",
         kind=Kind.QUIET,
     )
@@ -46,16 +46,14 @@ class ConsoleCommands:
         "M110",
         Subject.CONSOLES,
         When.IMMEDIATE,
-        "N",
         "Sets the number of the line before the next one.",
+        rest("N", "the number"),
         kind=Kind.QUIET,
-        bare=None,
     )
     @command(
         "M112",
         Subject.STOPS,
         When.AHEAD,
-        "",
         "Emergency stop: everything off at once; M999 restarts. A print without consoles fails"
         " there.",
         in_turn=True,
@@ -64,7 +62,6 @@ class ConsoleCommands:
         "M410",
         Subject.STOPS,
         When.AHEAD,
-        "",
         "Brakes to a stop, and drops all planned moves and the moves that a console has sent. A"
         " print without consoles fails there.",
         in_turn=True,
@@ -76,13 +73,12 @@ class ConsoleCommands:
         "M113",
         Subject.CONSOLES,
         When.IMMEDIATE,
-        "S(s)",
         "Sets how often a command that waits reports that it is busy.",
+        number("S", "how often; 0: never", "s", 0, 60, clamped=True, alone=True),
         kind=Kind.QUIET,
-        bare="S",
     )
     def _busy(self, command: Command, reply: Reply) -> Wait | None:
-        seconds = command.words().get("S")
+        seconds = command.value("S", None)
         if isinstance(reply, Session):
             if seconds is None:
                 reply.say(f"M113 S{reply.busy_s:g}")
@@ -96,10 +92,9 @@ class ConsoleCommands:
         "M118",
         Subject.CONSOLES,
         When.IMMEDIATE,
-        "E1 A1 text",
         "Sends a line to all consoles.",
+        rest("E1 A1 text", "the message; E1 begins it with echo:, A1 with //"),
         kind=Kind.QUIET,
-        bare=None,
     )
     def _message(self, command: Command, _: Reply) -> Wait | None:
         text, marks = command.text, set[str]()
@@ -114,10 +109,9 @@ class ConsoleCommands:
         "ECHO",
         Subject.CONSOLES,
         When.IMMEDIATE,
-        "text",
         "Sends a line to all consoles.",
+        rest("text", "the message"),
         kind=Kind.QUIET,
-        bare=None,
     )
     def _echo(self, command: Command, _: Reply) -> None:
         self._state.tell(f"echo: {command.text.strip()}")
@@ -126,29 +120,23 @@ class ConsoleCommands:
         "RESPOND",
         Subject.CONSOLES,
         When.IMMEDIATE,
-        "TYPE PREFIX MSG",
         "Sends a line to all consoles: TYPE is echo, error or command.",
+        choice("TYPE", "the kind of message", *_PREFIXES),
+        text("PREFIX", "what begins the line, in place of TYPE"),
+        text("MSG", "the message"),
         kind=Kind.QUIET,
-        bare=None,
     )
     def _respond(self, command: Command, _: Reply) -> None:
-        """RESPOND. Raises CommandError for an unknown type."""
-        words = command.pairs()
-        kind = words.get("TYPE", "echo").lower()
-        prefix = words.get("PREFIX", _PREFIXES.get(kind))
-        if prefix is None:
-            limit = ", ".join(_PREFIXES)
-            raise CommandError.of("command.value", axis="TYPE", value=kind, limit=limit)
-        self._state.tell(f"{prefix} {words.get('MSG', '')}")
+        """RESPOND."""
+        prefix = command.string("PREFIX", _PREFIXES[command.string("TYPE", "echo").lower()])
+        self._state.tell(f"{prefix} {command.string('MSG')}")
 
     @command(
         "STATUS",
         Subject.CONSOLES,
         When.IMMEDIATE,
-        "",
         "Reports whether the printer runs.",
         kind=Kind.QUIET,
-        bare=None,
     )
     def _status(self, _: Command, reply: Reply) -> None:
         halted = self._state.halted
@@ -158,26 +146,33 @@ class ConsoleCommands:
         "HELP",
         Subject.CONSOLES,
         When.IMMEDIATE,
-        "",
-        "Lists all commands.",
+        "Lists all commands, or shows one with its parameters.",
+        rest("COMMAND", "one command, to show its parameters"),
         kind=Kind.QUIET,
-        bare=None,
     )
-    def _help(self, _: Command, reply: Reply) -> None:
-        for code, row in table().items():
-            reply.say(f"echo:{code}: {row.text}")
+    def _help(self, command: Command, reply: Reply) -> None:
+        if not (wanted := command.text.strip().upper()):
+            for code, row in table().items():
+                reply.say(f"echo:{code}: {row.text}")
+            return
+        found = row_of(wanted)
+        if found is None:
+            limit = "a command that HELP lists"
+            raise CommandError.of("command.value", axis="HELP", value=wanted[:30], limit=limit)
+        reply.say(f"echo:{wanted}: {found.text}")
+        for parameter in shown(found.parameters):
+            reply.say(f"echo:  {parameter.usage}: {parameter.text}")
 
     @command(
         "M154",
         Subject.POSITIONS,
         When.IMMEDIATE,
-        "S(s)",
         "Reports the position every S seconds.",
+        number("S", "how often; 0: no more", "s", alone=True),
         kind=Kind.QUIET,
-        bare="S",
     )
     def _report_position(self, command: Command, reply: Reply) -> Wait | None:
-        seconds = command.words().get("S", 0.0)
+        seconds = command.value("S", 0.0)
         if isinstance(reply, Session):
             reply.report_every("position", seconds, lambda: reply.hear(self._reports.position()))
         return None
@@ -186,13 +181,12 @@ class ConsoleCommands:
         "M155",
         Subject.HEATERS,
         When.IMMEDIATE,
-        "S(s)",
         "Reports the temperatures every S seconds.",
+        number("S", "how often; 0: no more", "s", alone=True),
         kind=Kind.QUIET,
-        bare="S",
     )
     def _report_temperatures(self, command: Command, reply: Reply) -> Wait | None:
-        seconds = command.words().get("S", 0.0)
+        seconds = command.value("S", 0.0)
         if isinstance(reply, Session):
             reply.report_every(
                 "temperatures",
@@ -205,14 +199,14 @@ class ConsoleCommands:
         "M921",
         Subject.HEATERS,
         When.IMMEDIATE,
-        "S(s)",
         "Reports the terms of each heater's controller, with S every S seconds.",
+        number("S", "how often; 0: no more", "s"),
         kind=Kind.QUIET,
     )
     def _trace(self, command: Command, reply: Reply) -> Wait | None:
         """Traces the state of each heater's controller, once or, with S, on this console every S
         seconds until S0."""
-        seconds = command.words().get("S")
+        seconds = command.value("S", None)
         if isinstance(reply, Session) and seconds is not None:
             reply.report_every("trace", seconds, lambda: self._show_trace(reply.hear))
         else:
@@ -231,7 +225,6 @@ class ConsoleCommands:
         "M999",
         Subject.STOPS,
         When.IMMEDIATE,
-        "",
         "Restarts after a halt.",
         kind=Kind.SERVED,
     )
@@ -243,12 +236,10 @@ class ConsoleCommands:
         "RESTART",
         Subject.STOPS,
         When.IMMEDIATE,
-        "",
         "Starts Passo again with its machine file as it is now: heaters and motors go off, consoles"
         " are closed and opened again. Refused while a file is printed, and for a file with errors."
         " With `--stdin`, and in a program that opened the printer, as FIRMWARE_RESTART.",
         kind=Kind.SERVED,
-        bare=None,
         in_turn=True,
     )
     def _restart_program(self, command: Command, reply: Reply) -> Wait | None:
@@ -265,11 +256,9 @@ class ConsoleCommands:
         "FIRMWARE_RESTART",
         Subject.STOPS,
         When.IMMEDIATE,
-        "",
         "Restarts the boards; the machine stays as it was read. All heaters and motors go off at"
         " once, and a print ends.",
         kind=Kind.SERVED,
-        bare=None,
         in_turn=True,
     )
     def _halt_and_restart(self, _: Command, __: Reply) -> Wait | None:
@@ -280,7 +269,6 @@ class ConsoleCommands:
         "M932",
         Subject.CONSOLES,
         When.IMMEDIATE,
-        "",
         "After a failure, refuses all commands of this console.",
         kind=Kind.QUIET,
     )
@@ -293,7 +281,6 @@ class ConsoleCommands:
         "M933",
         Subject.CONSOLES,
         When.IMMEDIATE,
-        "",
         "Ends M932.",
         kind=Kind.QUIET,
     )
@@ -306,7 +293,6 @@ class ConsoleCommands:
         "M940",
         Subject.CONSOLES,
         When.IMMEDIATE,
-        "",
         "Reports that the network is the computer's.",
         kind=Kind.QUIET,
     )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from passo.console.upload import Upload
 from passo.gcode.command import Command, words_of
-from passo.gcode.registry import ANY, row_of
+from passo.gcode.registry import row_of
 from passo.printer.control import Control
 
 _RESUMES = ("M24", "M602")
@@ -24,7 +24,7 @@ def halts(command: Command) -> bool:
         return False
     if command.letter == "M":  # other letters begin a move, or a line that repeats the last move
         row = row_of(command.code)
-        if row is None or row.bare in (None, ANY):  # the text may contain any label
+        if row is None or row.takes_text or row.takes_anything:  # the text may contain any label
             return False
     return ("M", 112.0) in words_of(command.text)
 

@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 from passo.console.session import Session
 from passo.errors import CommandError, PassoError
 from passo.gcode.command import Command
+from passo.gcode.parameters import TOOL, ignored, integer, number, rest
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.job.live.job_state import JobState
 from passo.job.live.park import check_words
+from passo.job.live.slicer_layers import MAX_LAYERS
 from passo.job.live.statistics import spoken
 from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
 from passo.services.jobs import Jobs
@@ -41,7 +43,6 @@ class JobCommands:
         "M31",
         Subject.PRINTS,
         When.IMMEDIATE,
-        "",
         "Reports the print time.",
         kind=Kind.QUIET,
     )
@@ -53,10 +54,9 @@ class JobCommands:
         "M75",
         Subject.PRINTS,
         When.IMMEDIATE,
-        "",
         "Starts the print timer.",
+        rest(),
         kind=Kind.QUIET,
-        bare=None,
     )
     def _start_timer(self, _: Command, __: Reply) -> None:
         self._progress.timer(runs=True)
@@ -65,10 +65,9 @@ class JobCommands:
         "M76",
         Subject.PRINTS,
         When.IMMEDIATE,
-        "",
         "Pauses the print timer.",
+        rest(),
         kind=Kind.QUIET,
-        bare=None,
     )
     def _pause_timer(self, _: Command, __: Reply) -> None:
         self._progress.timer(runs=False)
@@ -77,10 +76,9 @@ class JobCommands:
         "M77",
         Subject.PRINTS,
         When.IMMEDIATE,
-        "",
         "Stops the print timer and reports it.",
+        rest(),
         kind=Kind.QUIET,
-        bare=None,
     )
     def _stop_timer(self, _: Command, __: Reply) -> Wait | None:
         """Does nothing for a print from the card, whose timer does not depend on its file."""
@@ -93,13 +91,14 @@ class JobCommands:
         "M530",
         Subject.PRINTS,
         When.IMMEDIATE,
-        "S",
         "Starts (S1) or ends (S0) the print of a host, for the print timer.",
+        number("S", "1: it begins, 0: it ends", default=0),
+        ignored("L"),
         kind=Kind.QUIET,
     )
     def _host_print(self, command: Command, reply: Reply) -> Wait | None:
         """A host reports that its print begins or ends."""
-        begins = command.words().get("S", 0) > 0
+        begins = command.value("S") > 0
         self._progress.host_print(begins=begins)
         reply.say("echo:Start Printing" if begins else "echo:Stop Printing")
         return None
@@ -108,10 +107,9 @@ class JobCommands:
         "M531",
         Subject.PRINTS,
         When.IMMEDIATE,
-        "name",
         "Sets the name of a host's print.",
+        rest("name", "the name of the print"),
         kind=Kind.QUIET,
-        bare=None,
     )
     def _host_name(self, command: Command, _: Reply) -> Wait | None:
         self._progress.name_host_print(command.text.strip())
@@ -121,46 +119,49 @@ class JobCommands:
         "M532",
         Subject.PRINTS,
         When.IMMEDIATE,
-        "X(%) L",
         "Sets the progress, as M73 P.",
+        number("X", "the progress", "%", 0, 100, clamped=True),
+        ignored("L"),
         kind=Kind.QUIET,
     )
     def _host_progress(self, command: Command, _: Reply) -> Wait | None:
-        words = command.words()
-        if "X" in words:
-            self._progress.percent = _percent(words["X"])
+        if (percent := command.value("X", None)) is not None:
+            self._progress.percent = _percent(percent)
         return None
 
     @command(
         "SET_PRINT_STATS_INFO",
         Subject.PRINTS,
         When.IMMEDIATE,
-        "TOTAL_LAYER CURRENT_LAYER",
         "Sets the layers that a slicer has counted, in place of those of the file.",
+        integer("TOTAL_LAYER", "the number of layers; 0: unknown", 0, MAX_LAYERS),
+        integer("CURRENT_LAYER", "the layer that is printed", 0, MAX_LAYERS),
         kind=Kind.QUIET,
-        bare=None,
     )
     def _tell_layers(self, command: Command, _: Reply) -> Wait | None:
-        self._progress.slicer_layers.set(command.pairs())
+        self._progress.slicer_layers.set(
+            command.integer("TOTAL_LAYER", None), command.integer("CURRENT_LAYER", None)
+        )
         return None
 
     @command(
         "M73",
         Subject.PRINTS,
         When.IMMEDIATE,
-        "P(%) R(min)",
         "Sets the progress that a slicer has calculated; without parameters it reports the"
         " progress.",
+        number("P", "the progress", "%", 0, 100, clamped=True, alone=True),
+        number("R", "the time that is left", "min", 0, clamped=True, alone=True),
+        ignored("Q S C D"),
         kind=Kind.QUIET,
-        bare="PR",
     )
     def _tell_progress(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.words()
-        if "P" in words:
-            self._progress.percent = _percent(words["P"])
-        if "R" in words:
-            self._progress.minutes_left = max(words["R"], 0.0)
-        if words:
+        percent, minutes = command.value("P", None), command.value("R", None)
+        if percent is not None:
+            self._progress.percent = _percent(percent)
+        if minutes is not None:
+            self._progress.minutes_left = max(minutes, 0.0)
+        if percent is not None or minutes is not None:
             return None
         parts: list[str] = []
         times, share = self._progress.times(), self._progress.share_done()
@@ -179,10 +180,17 @@ class JobCommands:
         "M600",
         Subject.FILAMENT,
         When.EXCLUSIVE,
-        "T E Z X Y U L(mm) S(C) B",
         "Parks, waits for the user to change the filament, and returns. E retracts, Z raises the"
         " nozzle, X and Y are the position; U unloads there, L loads when the hotend has reached"
         " S. T must be the tool in use; B is not used.",
+        TOOL,
+        number("E", "how much is retracted", "mm"),
+        number("Z", "how much the nozzle is raised", "mm"),
+        number("X Y", "where the nozzle waits", "mm"),
+        number("U", "how much is unloaded", "mm"),
+        number("L", "how much is loaded", "mm"),
+        number("S", "the temperature of the hotend", "°C"),
+        number("B", "has no effect"),
         kind=Kind.USER,
     )
     def _change_filament(self, command: Command, reply: Reply) -> Wait | None:
@@ -208,7 +216,6 @@ class JobCommands:
         "M601",
         Subject.PRINTS,
         When.EXCLUSIVE,
-        "",
         "Parks, waits for the user, and returns.",
         kind=Kind.USER,
     )
@@ -276,17 +283,16 @@ class JobCommands:
         "M876",
         Subject.STOPS,
         When.IMMEDIATE,
-        "S P",
         "Answers a prompt.",
+        number("S P", "the answer"),
         kind=Kind.QUIET,
     )
     def _answer(self, command: Command, reply: Reply) -> Wait | None:
         """M876. The answer to a wait took effect when the line was received. Raises
         CommandError."""
-        words = command.words()
-        if "S" in words and self._asks:
+        if command.has("S") and self._asks:
             self._runner.start()
-        elif not words.keys() & {"S", "P"}:
+        elif not command.has("S", "P"):
             reply.say("M876 P1")
         return None
 
@@ -307,7 +313,6 @@ class JobCommands:
         "M602",
         Subject.PRINTS,
         When.IMMEDIATE,
-        "",
         "Resumes the print after a pause.",
         kind=Kind.SERVED,
     )

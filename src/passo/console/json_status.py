@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from passo.board.reading import ABSOLUTE_ZERO_C
 from passo.console.aprinter_options import OptionCommands
 from passo.gcode.command import Command
+from passo.gcode.parameters import ignored, number
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.printer.status import HeaterStatus, Status
 from passo.printer.status_reader import StatusReader
@@ -33,12 +34,13 @@ class JsonStatus:
         "M408",
         Subject.CONSOLES,
         When.IMMEDIATE,
-        "S(0-3)",
         "Reports the state of the printer as JSON; S2 adds the machine, S3 the print.",
+        number("S", "2: also the machine, 3: also the print", default=0),
+        ignored("R P"),
         kind=Kind.QUIET,
     )
     def _say(self, command: Command, reply: Reply) -> Wait | None:
-        kind = command.words().get("S", 0)
+        kind = command.value("S")
         status = self._reader.read()
         answer = self._common(status)
         if kind == _WITH_MACHINE:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from passo import _core
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import rest, text
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.job.live.objects import PrintObjects
 from passo.printer.status import PrintObject
@@ -27,19 +28,19 @@ class ObjectCommands:
         "M486",
         Subject.PRINTS,
         When.IMMEDIATE,
-        "P(object) U(object) C T(count) S(object) A(name)",
         "P cancels an object of a print from the SD card, C the current one, U prints it again;"
         " without parameters it lists the objects. Files label their objects with T, S and A.",
-        bare=None,
+        rest("P(object) U(object) C T(count) S(object) A(name)", "an object by its number"),
     )
     @command(
         "EXCLUDE_OBJECT",
         Subject.PRINTS,
         When.IMMEDIATE,
-        "NAME CURRENT RESET",
         "NAME= cancels an object of a print from the SD card, CURRENT=1 the current one; RESET=1"
         " prints all again, with NAME= this one. Without parameters it lists the objects.",
-        bare=None,
+        text("NAME", "the object"),
+        text("CURRENT", "1: the object that is printed now"),
+        text("RESET", "1: prints it again"),
     )
     def _order(self, command: Command, reply: Reply) -> Wait | None:
         """Executes M486. Raises CommandError."""
@@ -70,28 +71,27 @@ class ObjectCommands:
         "EXCLUDE_OBJECT_DEFINE",
         Subject.PRINTS,
         When.IMMEDIATE,
-        "NAME CENTER POLYGON",
         "Defines an object of a file on the SD card.",
+        text("NAME", "the object"),
+        text("CENTER", "its middle: X,Y in mm"),
+        text("POLYGON", "its outline: points in brackets"),
         kind=Kind.MOTION,
-        bare=None,
     )
     @command(
         "EXCLUDE_OBJECT_START",
         Subject.PRINTS,
         When.IMMEDIATE,
-        "NAME",
         "Starts the lines of an object in a file.",
+        text("NAME", "the object"),
         kind=Kind.MOTION,
-        bare=None,
     )
     @command(
         "EXCLUDE_OBJECT_END",
         Subject.PRINTS,
         When.IMMEDIATE,
-        "NAME",
         "Ends the lines of an object in a file.",
+        text("NAME", "the object"),
         kind=Kind.MOTION,
-        bare=None,
     )
     def _label(self, command: Command, reply: Reply) -> None:
         reply.note(command.code, f"{command.code} {_OF_A_FILE}")

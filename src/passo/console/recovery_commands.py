@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import flag
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.job.live.journal import Moment, Program
 from passo.job.live.journal_keeper import JournalKeeper
@@ -26,17 +27,16 @@ class RecoveryCommands:
         "M1000",
         Subject.PRINTS,
         When.EXCLUSIVE,
-        "C",
         "Resumes a print that was interrupted; C drops it.",
+        flag("C", "drops it"),
         kind=Kind.SERVED,
-        bare="C",
     )
     def _go_on(self, command: Command, reply: Reply) -> Wait | None:
         found = self._keeper.interrupted()
         if found is None:
             raise CommandError.of("job.nothing-interrupted")
         program, moment = found
-        if "C" in command.letters():
+        if command.flag("C"):
             self._keeper.forget()
             return None
         if program.machine != self._control.machine.uuid:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from passo.console.aprinter_options import OptionCommands
 from passo.errors import CommandError, Problem
 from passo.gcode.command import Command
+from passo.gcode.parameters import ignored, number
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.job.settings_store import Override, Setting, Store, commands_of, same, settings_in
 from passo.printer.wait_requests import NullReply, Reply, Wait, WaitForMoves
@@ -192,7 +193,6 @@ class SettingsCommands:
         "M500",
         Subject.SETTINGS,
         When.PLANNED,
-        "",
         "Stores the settings.",
         kind=Kind.SERVED,
     )
@@ -210,7 +210,6 @@ class SettingsCommands:
         "M501",
         Subject.SETTINGS,
         When.EXCLUSIVE,
-        "",
         "Loads the stored settings.",
         kind=Kind.SERVED,
     )
@@ -225,7 +224,6 @@ class SettingsCommands:
         "M502",
         Subject.SETTINGS,
         When.EXCLUSIVE,
-        "",
         "Sets all settings to those of the machine file.",
         kind=Kind.SERVED,
     )
@@ -249,13 +247,13 @@ class SettingsCommands:
         "M503",
         Subject.SETTINGS,
         When.PLANNED,
-        "S0",
         "Reports the settings as commands; S0 without headings.",
+        number("S", "0: without headings", default=1, alone=True),
+        ignored("C"),
         kind=Kind.QUIET,
-        bare="SC",
     )
     def _report(self, command: Command, reply: Reply) -> Wait | None:
-        headings = command.words().get("S", 1) != 0
+        headings = command.value("S") != 0
         for heading, lines in self._settings.groups():
             if headings:
                 reply.say(f"; {heading}")
@@ -269,7 +267,6 @@ class SettingsCommands:
         "M504",
         Subject.SETTINGS,
         When.PLANNED,
-        "",
         "Checks the stored settings.",
         kind=Kind.QUIET,
     )

@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
+from dataclasses import dataclass
 from decimal import Decimal
+from enum import Enum
 from math import isnan
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Self, overload
 
 from passo import _core
 from passo.errors import CommandError, WordError
-from passo.gcode.registry import ANY, row_of
+from passo.gcode.parameters import Form, number_of
+from passo.gcode.registry import Declaration, row_of
 from passo.gcode.stray import stray_of
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
 
 # KEY=VALUE is not G-code, so the lexer does not split it into words.
 _PAIR = re.compile(
@@ -21,8 +28,21 @@ _ESCAPE = re.compile(rb"\\([0-9A-Fa-f]{2})")
 LARGEST = 1e9  # the limit for words of moves, too
 
 
-class Command(NamedTuple):
-    """One command: `letter` and `number` (with `minor` as in M862.3), or a `name`."""
+_CODE = re.compile(r"([A-Z])(\d+)(?:\.(\d))?")
+Value = float | str
+Given = Value | bool | None  # True: a letter alone; False and None: it is not given
+
+
+class _Needed(Enum):
+    """The default of a parameter that must be given, or has a default in its declaration."""
+
+    DECLARED = "declared"
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """One command: `letter` and `number` (with `minor` as in M862.3), or a `name`. `given` are the
+    parameters of a command that a program calls; without them, those of the text count."""
 
     line: int
     letter: str
@@ -30,6 +50,23 @@ class Command(NamedTuple):
     minor: int
     name: str
     text: str
+    given: Mapping[str, Value] | None = None
+
+    @classmethod
+    def call(cls, code: str, **given: Given) -> Self:
+        """A command with these values, by letter or key."""
+        values: dict[str, Value] = {
+            name: "" if value is True else value
+            for name, value in given.items()
+            if value is not None and value is not False
+        }
+        numbered = _CODE.fullmatch(code)
+        if numbered is None:
+            words = (f"{name}={_quoted(value)}" for name, value in values.items())
+            return cls(0, "", 0, 0, code, " ".join(words), values)
+        letter, number, minor = numbered.groups()
+        words = (f"{name}{_lettered(value)}" for name, value in values.items())
+        return cls(0, letter, int(number), int(minor or 0), "", " ".join(words), values)
 
     @property
     def code(self) -> str:
@@ -38,60 +75,161 @@ class Command(NamedTuple):
             return self.name
         return f"{self.letter}{self.number}" + (f".{self.minor}" if self.minor else "")
 
-    def check(self) -> None:
-        """Raises WordError for the first word without a number (unless the declaration allows its
-        letter alone) or with a number beyond 1e9, for a repeated letter, and for a character that
-        is not G-code."""
+    # -- checks -----------------------------------------------------------------------------------
+
+    def check(self, machine: MachineConfig | None = None, *, in_file: bool = False) -> None:
+        """Raises CommandError for parameters that the declaration refuses, on this machine if one
+        is given: a letter without a number or a second time, a number beyond 1e9 or beyond its
+        range, a text that is not among the choices, a value that only the machine file sets. Raises
+        it for a command that must not be in a file, too, and WordError for what is not G-code."""
         row = row_of(self.code)
-        if self.name or row is None or row.bare is None:
+        if row is None:
             return
-        if row.bare != ANY and (stray := stray_of(self.text, any_character=False)) is not None:
+        checked = not row.takes_text and bool(row.parameters or not self.name)
+        if checked and not self.name and self.given is None:
+            self._check_words(row)
+        if in_file and row.not_in_files:
+            raise CommandError.of("command.in-file", axis=row.code)
+        if checked:
+            self._check_values(row)
+            if row.valid is not None and machine is not None:
+                row.valid(self, machine)
+
+    def _check_words(self, row: Declaration) -> None:
+        if not row.takes_anything and (stray := stray_of(self.text, any_character=False)):
             raise WordError([stray])
         seen = set[str]()
         for letter, number, text in _core.split_text(self.text):
             if not (_is_letter(letter) or letter == '"'):
                 continue
-            if letter in seen and row.bare != ANY and letter not in row.repeats:
+            known = row.by_name.get(letter)
+            if letter in seen and not (row.takes_anything or (known and known.repeats)):
                 raise WordError.of("input.repeated", value=letter)
             seen.add(letter)
             nan = number is not None and isnan(number)
             if number is not None and not nan:
                 if abs(number) > LARGEST:
                     raise WordError.of("input.number", value=letter + written(number))
-            elif nan or text is None or letter == '"':
-                if row.nan and letter == "S" if nan else row.bare == ANY or letter in row.bare:
+            elif nan or text is None or letter == '"' or (known and known.numeric):
+                if row.takes_anything or (known and (known.nan if nan else known.alone)):
                     continue
                 if (stray := stray_of(self.text, any_character=True)) is not None:
                     raise WordError([stray])
                 raise WordError.of("input.number", value=letter)
 
-    def check_values(self, *, in_file: bool) -> None:
-        """Raises CommandError for a number beyond the bounds of the declaration, for a value that
-        only the machine file sets, and for a command that must not be in a file."""
+    def _check_values(self, row: Declaration) -> None:
+        given: Mapping[str, Value | None]
+        if self.given is not None:
+            given = self.given
+        else:
+            given = self.pairs() if self.name else self._read()
+        for parameter in row.parameters:
+            if parameter.required and not given.keys() & set(parameter.names):
+                wanted = " or ".join(parameter.names) + ("=" if self.name else "")
+                raise CommandError.of("input.missing-word", axis=self.code, value=wanted)
+        for name, value in given.items():
+            parameter = row.by_name.get(name)
+            if parameter is None:
+                continue
+            if parameter.form is Form.REFUSED:
+                raise CommandError.of("command.fixed", value=parameter.text)
+            if isinstance(value, str):
+                parameter.check_text(name, value)
+            elif value is not None:
+                parameter.check_number(name, value)
+
+    def unknown(self) -> list[str]:
+        """The letters or keys that the declaration of the command does not have."""
         row = row_of(self.code)
-        if row is None:
-            return
-        if in_file and row.not_in_files:
-            raise CommandError.of("command.in-file", axis=row.code)
-        letters, table = row.fixed
-        for letter, value in self.words().items() if row.bounds or letters else ():
-            if letter in letters:
-                raise CommandError.of("command.fixed", value=table)
-            for bounds in row.bounds:
-                if letter in bounds.letters and not bounds.low <= value <= bounds.high:
-                    raise CommandError.bad_value(letter, value, bounds.limit)
+        if (
+            row is None
+            or row.takes_text
+            or row.takes_anything
+            or (self.name and not row.parameters)
+        ):
+            return []
+        given = self.pairs() if self.name else dict.fromkeys(self.letters())
+        return [name for name in given if name not in row.by_name]
+
+    # -- values -----------------------------------------------------------------------------------
+
+    def has(self, *names: str) -> bool:
+        """Whether one of these parameters is given."""
+        given = self.pairs() if self.name else self.letters()
+        return any(name in given for name in names)
+
+    @overload
+    def value(self, name: str, default: float = ...) -> float: ...
+
+    @overload
+    def value(self, name: str, default: None) -> float | None: ...
+
+    def value(self, name: str, default: float | _Needed | None = _Needed.DECLARED) -> float | None:
+        """The number of a parameter; without it `default`, or else the default of its declaration.
+        Raises CommandError if it has none, and for a text that is not a number."""
+        if self.name:
+            pairs = self.pairs()
+            if name in pairs:
+                return number_of(name, pairs[name])
+        elif (value := self.words().get(name)) is not None:
+            return value
+        return self._declared(name) if isinstance(default, _Needed) else default
+
+    @overload
+    def integer(self, name: str, default: int = ...) -> int: ...
+
+    @overload
+    def integer(self, name: str, default: None) -> int | None: ...
+
+    def integer(self, name: str, default: int | _Needed | None = _Needed.DECLARED) -> int | None:
+        """As `value`, for a whole number."""
+        if not self.has(name) and not isinstance(default, _Needed):
+            return default
+        return int(self.value(name))
+
+    def flag(self, name: str) -> bool:
+        """Whether a letter is given, alone or with a number that is not 0, or a key with one."""
+        if not self.has(name):
+            return False
+        return self.value(name, 0.0 if self.name else 1.0) != 0
+
+    def string(self, name: str, default: str = "") -> str:
+        """The text of a parameter."""
+        if self.name:
+            return self.pairs().get(name, default)
+        value = self._read().get(name)
+        return value if isinstance(value, str) else default
+
+    def _declared(self, name: str) -> float:
+        row = row_of(self.code)
+        known = row.by_name.get(name) if row is not None else None
+        if known is None or known.default is None:
+            wanted = f"{name}=" if self.name else name
+            raise CommandError.of("input.missing-word", axis=self.code, value=wanted)
+        return known.default
+
+    def _read(self) -> Mapping[str, Value | None]:
+        """The values of the letters: a number, a text, or None for a letter alone."""
+        if self.given is not None:
+            return self.given
+        found = ((k, n, t) for k, n, t in _core.split_text(self.text) if _is_letter(k))
+        return {k: t if n is None else None if isnan(n) else n for k, n, t in found}
 
     def words(self) -> dict[str, float]:
         """The numbers by their letters, without letters that have no number."""
+        if self.given is not None:
+            return {k: v for k, v in self.given.items() if not isinstance(v, str)}
         return dict(words_of(self.text))
 
     def letters(self) -> list[str]:
         """The letters of all words, in order, with numbers or without."""
-        return letters_of(self.text)
+        return letters_of(self.text) if self.given is None else list(self.given)
 
     def pairs(self) -> dict[str, str]:
         """KEY=VALUE parameters of an extended command: see `pairs_of`."""
-        return pairs_of(self.text)
+        if self.given is None:
+            return pairs_of(self.text)
+        return {k: v if isinstance(v, str) else numeral(v) for k, v in self.given.items()}
 
 
 def pairs_of(text: str) -> dict[str, str]:
@@ -125,11 +263,10 @@ def numeral(value: float) -> str:
 def alone(command: Command) -> bool:
     """Whether the line contains no other command after this one."""
     row = row_of(command.code)
-    if command.name or row is None or row.bare in (None, ANY):
+    if command.name or row is None or row.takes_text or row.takes_anything:
         return True
-    own = {letter for letter in "GMT" if f" {letter}" in f" {row.parameters}"}
     return not any(
-        number is not None and number >= 0 and letter in "GMT" and letter not in own
+        number is not None and number >= 0 and letter in "GMT" and letter not in row.by_name
         for letter, number, _ in _core.split_text(command.text)
     )
 
@@ -163,6 +300,19 @@ def words_of(text: str) -> list[tuple[str, float]]:
 def letters_of(text: str) -> list[str]:
     """The letters of all words of a text, in order, with numbers or without."""
     return [letter for letter, _, _ in _core.split_text(text) if _is_letter(letter)]
+
+
+def _lettered(value: Value) -> str:
+    """A value after its letter: a text in quotes, unless it is empty."""
+    return numeral(value) if not isinstance(value, str) else value and f'"{value}"'
+
+
+def _quoted(value: Value) -> str:
+    r"""A value of a key; a text in quotes, within which a quotation mark is written as `\"`."""
+    if not isinstance(value, str):
+        return numeral(value)
+    escaped = value.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'
 
 
 def _is_letter(character: str) -> bool:

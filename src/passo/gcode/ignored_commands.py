@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from passo.gcode.registry import ANY, Declaration, Kind, Subject, When, declare
+from passo.gcode.parameters import Parameter, anything, rest
+from passo.gcode.registry import Declaration, Kind, Subject, When, declare
 
 
-def _declare(kind: Kind, bare: str | None, *rows: tuple[str, str]) -> None:
+def _declare(kind: Kind, takes: Parameter, *rows: tuple[str, str]) -> None:
     """Declares codes, with the reason of each."""
     declare(
         *(
-            Declaration(code, Subject.NO_EFFECT, When.PLANNED, "", reason, kind, bare)
+            Declaration(code, Subject.NO_EFFECT, When.PLANNED, reason, (takes,), kind)
             for codes, reason in rows
             for code in codes.split()
         )
@@ -18,7 +19,7 @@ def _declare(kind: Kind, bare: str | None, *rows: tuple[str, str]) -> None:
 
 _declare(
     Kind.QUIET,
-    ANY,
+    anything(),
     ("G40", "Passo has no tool radius compensation."),
     ("G43 G49", "Passo has no tool length compensation."),
     ("G54", "Passo has one coordinate system; G92 moves its zero."),
@@ -35,7 +36,7 @@ _declare(
 )
 _declare(
     Kind.NOT_BUILT,
-    None,
+    rest(),
     ("G12", "Passo has no nozzle wiper."),
     ("SET_SERVO", "The servo of a probe moves with it; Passo has no other servo."),
     ("SET_LED SET_LED_TEMPLATE", "Passo has no light."),
@@ -64,10 +65,10 @@ declare(
         "G1 A0",
         Subject.NO_EFFECT,
         When.PLANNED,
-        "",
         "A0, B0 or C0 in a move of a machine without this axis: post-processors of CAM programs,"
         " Fusion 360 for one, write the angle of a rotary axis that never turns. Slicers write"
         " G92 E0 for a machine without an extruder, too.",
+        (),
         Kind.NOT_BUILT,
     )
 )

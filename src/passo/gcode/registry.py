@@ -4,11 +4,12 @@ help, the reference page, and live and offline printing use it."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from importlib.util import find_spec
-from math import inf
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
+
+from passo.gcode.parameters import Form, Parameter, shown
 
 _Method = TypeVar("_Method", bound=Callable[..., Any])
 
@@ -56,37 +57,17 @@ class Subject(Enum):
     NO_EFFECT = "Commands without an effect"
 
 
-ANY = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
-AXES = "ABCDEHIJKUVWXYZ"  # and letters of motors
-
-
-class Bounds(NamedTuple):
-    """The bounds of the numbers of some letters; `limit` states them for the user."""
-
-    letters: str
-    low: float
-    high: float
-    limit: str
-
-
-NOT_NEGATIVE_S = (Bounds("S", 0.0, inf, "0 s or more"),)
-
-
 @dataclass(frozen=True, slots=True)
 class Declaration:
     """A command: its code or name, the section of the reference, when it takes effect from a
-    console, its parameters with units, and one sentence that describes it."""
+    console, one sentence that describes it, and its parameters."""
 
     code: str
     subject: Subject
     when: When
-    parameters: str
     text: str
+    parameters: tuple[Parameter, ...] = ()
     kind: Kind = Kind.PRINTER
-    # letters that need no number; None: the rest of the line is a text, not words
-    bare: str | None = ""
-    nan: bool = False  # `S nan` is not a number, and switches the heater off
-    repeats: str = ""  # letters that may be repeated
     # on a machine without the part, this text explains why the command has no effect; else `text`
     lacks: str = ""
     forced: bool = False  # with F, a line from a console acts at once
@@ -94,11 +75,40 @@ class Declaration:
     only_during_print: bool = False  # immediate only during a print; otherwise planned
     while_halted: bool = True  # if immediate, it also acts while the printer is halted
     package: str = ""  # a Python package that the command needs, and that may not be installed
-
-    bounds: tuple[Bounds, ...] = ()
-    # letters of values that only the machine file sets, and its table with them
-    fixed: tuple[str, str] = "", ""
     not_in_files: bool = False  # it controls prints from files, so a file must not contain it
+    # raises CommandError for parameters that are wrong on a machine: the command, the machine
+    valid: Callable[[Any, Any], object] | None = None
+
+    by_name: dict[str, Parameter] = field(default_factory=dict[str, Parameter], init=False)
+    """The parameters by letter or key."""
+
+    def __post_init__(self) -> None:
+        """Fills `by_name`; a letter of its own counts before one of all axes."""
+        for parameter in self.parameters:
+            self.by_name.update(dict.fromkeys(parameter.names, parameter))
+        for parameter in self.parameters:
+            for letter in parameter.also:
+                self.by_name.setdefault(letter, parameter)
+
+    @property
+    def takes_text(self) -> bool:
+        """Whether the rest of the line is a text, not words."""
+        return any(parameter.form is Form.REST for parameter in self.parameters)
+
+    @property
+    def takes_anything(self) -> bool:
+        """Whether every letter is accepted, with or without a number."""
+        return any(parameter.form is Form.ANYTHING for parameter in self.parameters)
+
+    @property
+    def usage(self) -> str:
+        """The parameters in one line."""
+        return " ".join(parameter.usage for parameter in shown(self.parameters))
+
+    @property
+    def help(self) -> str:
+        """What the command does, and its parameters."""
+        return f"{self.text} Parameters: {self.usage}" if self.usage else self.text
 
     @property
     def lacks_package(self) -> bool:
@@ -130,30 +140,24 @@ def command(
     code: str,
     subject: Subject,
     when: When,
-    parameters: str,
     text: str,
-    *,
+    *parameters: Parameter,
     kind: Kind = Kind.PRINTER,
-    bare: str | None = "",
-    nan: bool = False,
-    repeats: str = "",
     lacks: str = "",
     forced: bool = False,
     in_turn: bool = False,
     only_during_print: bool = False,
     while_halted: bool = True,
     package: str = "",
-    bounds: tuple[Bounds, ...] = (),
-    fixed: tuple[str, str] = ("", ""),
     not_in_files: bool = False,
+    valid: Callable[[Any, Any], object] | None = None,
 ) -> Callable[[_Method], _Method]:
     """Declares a command, and marks the method that executes it; the arguments are the fields of
     Declaration. Raises ValueError for a code that is declared already."""
     declare(
         Declaration(
-            *(code, subject, when, parameters, text, kind, bare, nan, repeats, lacks),
-            *(forced, in_turn, only_during_print, while_halted, package, bounds, fixed),
-            not_in_files,
+            *(code, subject, when, text, parameters, kind, lacks, forced, in_turn),
+            *(only_during_print, while_halted, package, not_in_files, valid),
         )
     )
     return _marked(Role.DECLARED, code)

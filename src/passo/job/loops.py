@@ -48,15 +48,12 @@ class Loops:
         return self._end()
 
     def _begin(self, command: Command, offset: int) -> None:
-        given = command.pairs().get("COUNT", "")
-        if not given.isdecimal():
-            limit = "a whole number, 0 for a loop until SDCARD_LOOP_DESIST"
-            shown = given or "missing"
-            raise CommandError.of("command.value", axis="COUNT", value=shown, limit=limit)
+        command.check()
+        left = command.integer("COUNT")
         if len(self._open) >= _MAX_DEPTH:
             limit = f"at most {_MAX_DEPTH} loops within each other"
-            raise CommandError.of("command.value", axis="COUNT", value=given, limit=limit)
-        self.used, left = True, int(given)
+            raise CommandError.of("command.value", axis="COUNT", value=left, limit=limit)
+        self.used = True
         if left == 0 and self._omitted is not None:
             self._omitted.count(SkippedCommand.ENDLESS, command.code, command.line)
             left = 1

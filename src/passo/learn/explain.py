@@ -183,8 +183,8 @@ def _command(
         told = "The power of laser or spindle."
     else:
         told = row.text if row else "unknown here, skipped."
-    bare = text and (row is None or row.bare is None or not words)
-    return ExplainedCommand(code, told, (text,) if bare else tuple(words))
+    whole = text and (row is None or row.takes_text or not words)
+    return ExplainedCommand(code, told, (text,) if whole else tuple(words))
 
 
 def _move(move: _core.Move, hz: int, names: list[str], unit: str) -> ExplainedMove:

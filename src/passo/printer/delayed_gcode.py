@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-from math import isfinite
 from typing import TYPE_CHECKING
 
 from passo.config.part_names import found_name
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import number, text
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.printer.wait_requests import Reply
 
@@ -34,27 +34,18 @@ class DelayedGcode:
         "UPDATE_DELAYED_GCODE",
         Subject.MACROS,
         When.PLANNED,
-        "ID DURATION(s)",
         "Carries out the delayed G-code of this name after this time; with 0 not at all.",
+        text("ID", "the name in the machine file", required=True),
+        number("DURATION", "the time; 0: not at all", "s", 0, _MAX_S, required=True),
         kind=Kind.SERVED,
-        bare=None,
     )
     def _update(self, command: Command, _: Reply) -> None:
-        words = command.pairs()
-        for key in ("ID", "DURATION"):
-            if key not in words:
-                raise CommandError.of("input.missing-word", axis=command.code, value=key)
-        name = found_name(self._known, words["ID"])
+        wanted = command.string("ID")
+        name = found_name(self._known, wanted)
         if name is None:
             listed = ", ".join(self._known) or "none"
-            raise CommandError.of("macro.no-delay", axis=words["ID"], value=listed)
-        try:
-            seconds = float(words["DURATION"])
-        except ValueError:
-            raise CommandError.of("input.number", value=f"DURATION={words['DURATION']}") from None
-        if not (isfinite(seconds) and 0 <= seconds <= _MAX_S):
-            raise CommandError.bad_value("DURATION", seconds, f"0 to {_MAX_S:g} s")
-        self._set(name, seconds)
+            raise CommandError.of("macro.no-delay", axis=wanted, value=listed)
+        self._set(name, command.value("DURATION"))
 
     def _set(self, name: str, seconds: float) -> None:
         """Schedules an entry after `seconds`, instead of its earlier time; 0 cancels it."""

@@ -339,8 +339,7 @@ class Dispatch:
             if handler is None:
                 wait = self._rig.commands.run(command, reply)
             else:
-                command.check()
-                command.check_values(in_file=in_file)
+                command.check(self._rig.machine, in_file=in_file)
                 _require_package(command.code)
                 wait = handler(command, reply)
         except (CommandError, LinkLostError) as error:

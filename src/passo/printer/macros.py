@@ -14,6 +14,7 @@ from passo.config.macros import literal
 from passo.config.part_names import found_name
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import text
 from passo.gcode.registry import Subject, When, command
 from passo.printer.klipper.objects import Object, Objects, objects
 from passo.printer.saved_variables import SavedVariables
@@ -137,41 +138,40 @@ class Macros:
         "SET_GCODE_VARIABLE",
         Subject.MACROS,
         When.PLANNED,
-        "MACRO VARIABLE VALUE",
         "Sets a variable of a macro, until the program ends.",
-        bare=None,
+        text("MACRO", "the macro", required=True),
+        text("VARIABLE", "its variable", required=True),
+        text("VALUE", "the value, as Python writes it", required=True),
     )
     def set_variable(self, command: Command, _: Reply) -> None:
         """Raises CommandError."""
-        words = _needed(command, "MACRO", "VARIABLE", "VALUE")
-        name = found_name(self.variables, words["MACRO"])
+        macro, wanted = command.string("MACRO"), command.string("VARIABLE")
+        name = found_name(self.variables, macro)
         if name is None:
-            known = _names(self.variables)
-            raise CommandError.of("macro.unknown", axis=words["MACRO"], value=known)
-        variable = found_name(self.variables[name], words["VARIABLE"])
+            raise CommandError.of("macro.unknown", axis=macro, value=_names(self.variables))
+        variable = found_name(self.variables[name], wanted)
         if variable is None:
-            wanted, known = words["VARIABLE"], _names(self.variables[name])
+            known = _names(self.variables[name])
             raise CommandError.of("macro.no-variable", axis=name, value=wanted, limit=known)
-        self.variables[name][variable] = _value(variable, words["VALUE"])
+        self.variables[name][variable] = _value(variable, command.string("VALUE"))
 
     @command(
         "SAVE_VARIABLE",
         Subject.MACROS,
         When.PLANNED,
-        "VARIABLE VALUE",
         "Stores a variable that all macros read as printer.save_variables.variables.NAME, also"
         " after a restart.",
-        bare=None,
+        text("VARIABLE", "the name: small letters, digits and _", required=True),
+        text("VALUE", "the value, as Python writes it", required=True),
     )
     def save_variable(self, command: Command, _: Reply) -> None:
         """SAVE_VARIABLE. Raises CommandError, without any change of variables."""
-        words = _needed(command, "VARIABLE", "VALUE")
-        name = words["VARIABLE"]
+        name = command.string("VARIABLE")
         if not _VARIABLE.fullmatch(name):
             limit = "a name of small letters, digits and _"
             raise CommandError.of("command.value", axis="VARIABLE", value=name, limit=limit)
         # in the form that JSON stores: a list in place of a tuple
-        value = json.loads(json.dumps(_value(name, words["VALUE"])))
+        value = json.loads(json.dumps(_value(name, command.string("VALUE"))))
         saved = {**self.saved, name: value}
         if len(saved) > _MAX_SAVED:
             limit = f"one of the {_MAX_SAVED:,} that are stored already"
@@ -252,15 +252,6 @@ def _params(command: Command) -> dict[str, str]:
         return command.pairs()
     words = _core.split_text(command.text)
     return {letter: text or "" for letter, _, text in words if "A" <= letter <= "Z"}
-
-
-def _needed(command: Command, *keys: str) -> dict[str, str]:
-    """The parameters of a command, all of which are required. Raises CommandError."""
-    words = command.pairs()
-    for key in keys:
-        if key not in words:
-            raise CommandError.of("input.missing-word", axis=command.code, value=key)
-    return words
 
 
 def _value(variable: str, written: str) -> Any:

@@ -23,6 +23,7 @@ class SkippedCommand(Enum):
     REPEAT = "{} in the main program repeats it on other machines; here it ends the program"
     ENDLESS = "{} COUNT=0 repeats its lines until SDCARD_LOOP_DESIST; here they ran once"
     TOOL = "tool {} does not exist and was ignored"
+    PARAMETER = "{} has no effect"
     REFUSED = "{}"
 
 

@@ -188,11 +188,11 @@ export interface ClearBed {
   bed_clear: boolean;
 }
 
-/** A command of the printer: its parameters and its effect. */
+/** A command of the printer: its effect and its parameters. */
 export interface Command {
   code: string;
-  parameters: string;
   text: string;
+  parameters: Parameter[];
 }
 
 /** `changes` are the keys whose values differ from those of the running machine; values from files
@@ -712,6 +712,21 @@ export interface NewValue {
 /** Whether an object is cancelled. */
 export interface ObjectState {
   cancelled: boolean;
+}
+
+/** One or several parameters of a command: letters or keys. `kind` is number, whole number, flag
+ * (which needs no number), text, or rest (the rest of the line is a text). `usage` is the names
+ * with unit, range and default. `choices` are the valid texts; empty: each is valid. */
+export interface Parameter {
+  names: string[];
+  kind: string;
+  usage: string;
+  text: string;
+  unit: string;
+  low?: number | null;
+  high?: number | null;
+  default?: number | null;
+  choices: string[];
 }
 
 /** The new fault of a part; `none` ends a fault. `noise` may have an amount, as in `noise:0.05`. */

@@ -31,6 +31,35 @@ export function commandOf(commands: readonly Command[], typed: string): Command 
   return commands.find((command) => command.code === code);
 }
 
+/** What can complete a line: a command or one of its parameters, and the line with it. */
+export interface Offer {
+  name: string;
+  text: string;
+  line: string;
+}
+
+/** The commands that the typed text begins; after a command its parameters that are not given. */
+export function offersFor(commands: readonly Command[], typed: string): Offer[] {
+  const found = completions(commands, typed).map(({ code, text }) => ({ name: code, text, line: `${code} ` }));
+  const command = commandOf(commands, typed);
+  const words = /^(\s*\S+\s+(?:.*\s)?)(\w*)$/.exec(typed);
+  if (found.length || !command || !words) return found;
+  const [, before = "", begun = ""] = words;
+  const named = !/^[A-Z]\d/.test(command.code);
+  const given = before.toUpperCase().split(/[\s=]+/);
+  return command.parameters
+    .filter(({ kind }) => kind !== "rest" && kind !== "anything")
+    .flatMap(({ names, usage, text }) => names.map((name) => ({ name, usage, text })))
+    .filter(({ name }) => !given.some((word) => (named ? word === name : word.startsWith(name))))
+    .filter(({ name }) => name.startsWith(begun.toUpperCase()) && name !== begun.toUpperCase())
+    .map(({ name, usage, text }) => ({
+      name: named ? `${name}=` : name,
+      text: `${usage}: ${text}`,
+      line: before + (named ? `${name}=` : name),
+    }))
+    .slice(0, 8);
+}
+
 /** What hosts exchange all the time: bare acknowledgements, and polls of temperatures. */
 export function isNoise(line: Shown): boolean {
   if (line.kind === "sent") return /^(N\d+\s*)?M105\b/i.test(line.text);

@@ -1,12 +1,17 @@
 import { expect, test } from "vitest";
-import type { Command } from "../api/schema";
-import { commandOf, completions, isNoise } from "./console.svelte";
+import type { Command, Parameter } from "../api/schema";
+import { commandOf, completions, isNoise, offersFor } from "./console.svelte";
 
 const COMMANDS: Command[] = ["M115", "M1", "M105", "G28", "G1", "M112"].map((code) => ({
   code,
-  parameters: "",
+  parameters: [],
   text: "",
 }));
+
+function parameter(name: string): Parameter {
+  const about = { kind: "number", usage: name, text: "a value", unit: "", choices: [] };
+  return { ...about, names: name.split(" "), low: null, high: null, default: null };
+}
 
 function codes(typed: string): string[] {
   return completions(COMMANDS, typed).map((command) => command.code);
@@ -20,6 +25,19 @@ test("what is typed is completed, short codes first", () => {
 test("nothing is completed before the first letter and after the code", () => {
   expect(codes("")).toEqual([]);
   expect(codes("G28 X")).toEqual([]);
+});
+
+test("after a command its other parameters are offered", () => {
+  const filters: Command[] = [
+    { code: "M900", text: "", parameters: [parameter("K"), parameter("T")] },
+    { code: "SET_SKEW", text: "", parameters: [parameter("XY XZ YZ"), parameter("CLEAR")] },
+  ];
+  const lines = (typed: string) => offersFor(filters, typed).map(({ line }) => line);
+  expect(lines("M9")).toEqual(["M900 "]);
+  expect(lines("M900 ")).toEqual(["M900 K", "M900 T"]);
+  expect(lines("M900 K0.05 ")).toEqual(["M900 K0.05 T"]);
+  expect(lines("SET_SKEW XZ=1,1,1 x")).toEqual(["SET_SKEW XZ=1,1,1 XY="]);
+  expect(lines("G99 ")).toEqual([]);
 });
 
 test("the command of a line is found by its whole code", () => {

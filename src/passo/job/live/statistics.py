@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import number
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.job.live.history import History, PrintRow
 from passo.printer.wait_requests import Reply, Wait
@@ -152,8 +153,8 @@ class Statistics:
         "M78",
         Subject.PRINTS,
         When.IMMEDIATE,
-        "S78",
         "Reports the print statistics; S78 clears them.",
+        number("S", "78: clears them"),
         kind=Kind.QUIET,
     )
     def _statistics(self, command: Command, reply: Reply) -> Wait | None:

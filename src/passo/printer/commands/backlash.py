@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from passo.config.motion import MAX_GAP_MM, SMOOTHS_MM
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
+from passo.gcode.parameters import number
 from passo.gcode.registry import Subject, When, command
 from passo.printer.wait_requests import Wait, WaitForMoves
 
@@ -32,10 +33,12 @@ class BacklashCommands:
         "M425",
         Subject.SPEED,
         When.PLANNED,
-        "X(mm) Y(mm) Z(mm) F S(mm)",
         "Sets the gaps in the drives of axes, the share of them that is compensated (F, 0 to 1) and"
         " the distance over which a motor takes up a gap after a turn (S); without a word reports"
         " them. The machine stops for a change.",
+        number("X Y Z", "the gap", "mm", 0, MAX_GAP_MM),
+        number("F", "the share that is compensated", low=0, high=1),
+        number("S", "the distance over which a motor takes up a gap", "mm", *SMOOTHS_MM),
     )
     def _set(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
@@ -43,11 +46,6 @@ class BacklashCommands:
             reply.say(self.line())
             return None
         share, smooth_mm = words.get("F", self.share), words.get("S", self.smooth_mm)
-        if not 0 <= share <= 1:
-            raise CommandError.bad_value("F", share, "0 to 1")
-        low, high = SMOOTHS_MM
-        if not low <= smooth_mm <= high:
-            raise CommandError.bad_value("S", smooth_mm, f"{low:g} to {high:g} mm")
         gaps_mm = dict(self.gaps_mm)
         for axis in "XYZ":
             mm = words.get(axis)

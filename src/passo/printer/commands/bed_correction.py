@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import flag, ignored, integer, number, rest, text
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.levelling.correction import Correction, Fade
 from passo.levelling.fits import Fit
 from passo.levelling.mesh import Mesh
 from passo.levelling.mesh_files import MeshStore, StoredMesh, check_name
 from passo.levelling.replies import bilinear_grid, probed_rows
-from passo.printer.commands.klipper_commands import number
+from passo.printer.commands.mesh_words import MOST_POINTS
 from passo.printer.commands.probing import NO_PROBE
 from passo.printer.wait_requests import Reply, Wait, WaitForMoves
 
@@ -108,10 +109,8 @@ class BedCorrectionCommands:
         "BED_MESH_OUTPUT",
         Subject.LEVELLING,
         When.PLANNED,
-        "",
         "Prints the measured heights of the mesh, its front row first.",
         kind=Kind.QUIET,
-        bare=None,
         lacks=NO_PROBE,
     )
     def _print_mesh(self, _: Command, reply: Reply) -> Wait | None:
@@ -123,10 +122,8 @@ class BedCorrectionCommands:
         "BED_MESH_MAP",
         Subject.LEVELLING,
         When.PLANNED,
-        "",
         "Prints the measured heights of the mesh as JSON.",
         kind=Kind.QUIET,
-        bare=None,
         lacks=NO_PROBE,
     )
     def _map_mesh(self, _: Command, reply: Reply) -> Wait | None:
@@ -152,8 +149,10 @@ class BedCorrectionCommands:
         "M421",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "I J Z(mm) Q(mm)",
         "Sets the height of a point of the mesh to Z, or adds Q to it; I counts in X, J in Y.",
+        integer("I J", "the point: column and row"),
+        number("Z", "its height", "mm"),
+        number("Q", "a change of its height", "mm"),
         kind=Kind.PROBED,
         lacks=NO_PROBE,
     )
@@ -167,17 +166,14 @@ class BedCorrectionCommands:
         "BED_MESH_CLEAR",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "",
         "As M561.",
         kind=Kind.PROBED,
-        bare=None,
         lacks=NO_PROBE,
     )
     @command(
         "M561",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "",
         "Forgets the correction of the bed.",
         kind=Kind.PROBED,
         lacks=NO_PROBE,
@@ -190,32 +186,33 @@ class BedCorrectionCommands:
         "M420",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "S Z(mm) V T",
         "Switches the correction of the bed on (S1) or off (S0). Z is the height at which it has"
         " faded out; 0: it does not fade. V prints its heights: at the points of the mesh, or of a"
         " surface at 11 × 11 points over the bed.",
+        number("S", "1: on, 0: off"),
+        number("Z", "the height at which the correction has faded out; 0: it does not fade", "mm"),
+        flag("V", "prints the heights"),
+        ignored("T L"),
         kind=Kind.PROBED,
-        bare="VT",
         lacks=NO_PROBE,
     )
     def _switch(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
-        verbose = "V" in command.letters()
+        verbose = command.flag("V")
         return WaitForMoves(lambda: self._switched(words, reply, verbose=verbose))
 
     @command(
         "M376",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "H(mm)",
         "Sets the height at which the correction of the bed has faded out, as M420 Z; 0: it does"
         " not fade.",
+        number("H", "the height at which the correction has faded out; 0: it does not fade", "mm"),
         kind=Kind.PROBED,
         lacks=NO_PROBE,
     )
     def _taper(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.words()
-        faded = {"Z": words["H"]} if "H" in words else dict[str, float]()
+        faded = {"Z": command.value("H")} if command.has("H") else dict[str, float]()
         return WaitForMoves(lambda: self._switched(faded, reply, verbose=False))
 
     def _switched(self, words: dict[str, float], reply: Reply, *, verbose: bool) -> None:
@@ -242,7 +239,6 @@ class BedCorrectionCommands:
         "M937",
         Subject.LEVELLING,
         When.PLANNED,
-        "",
         "Reports the correction of the bed.",
         kind=Kind.QUIET,
         lacks=NO_PROBE,
@@ -263,19 +259,18 @@ class BedCorrectionCommands:
         "SET_BED_FIT",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "C0(mm) CX CY CXX CXY CYY",
         "Sets the surface that is added to Z, as M500 stores it: C0 + CX·x + CY·y + CXX·x² +"
         " CXY·x·y + CYY·y².",
+        number("C0", "the height in the middle", "mm"),
+        number("CX CY CXX CXY CYY", "a factor of x, y, x², x·y, y²"),
         kind=Kind.PROBED,
-        bare=None,
         lacks=NO_PROBE,
     )
     def _set_fit(self, command: Command, _: Reply) -> Wait | None:
-        pairs = command.pairs()
         now = self._correction.correction or Correction(fade=self.fade)
         terms = list((now.fit or Fit()).coefficients)
         for i, name in enumerate(TERMS):
-            terms[i] = number(pairs, name, terms[i])
+            terms[i] = command.value(name, terms[i])
         found = Fit(*terms) if any(terms) else None
         return WaitForMoves(lambda: self._store(replace(now, fit=found)))
 
@@ -283,27 +278,27 @@ class BedCorrectionCommands:
         "SET_BED_MESH",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "COLUMNS ROWS X0 Y0 X1 Y1 (mm)",
         "Makes a mesh of the bed with all heights 0, as M500 stores it; G29 W sets them. COLUMNS=0"
         " forgets the mesh.",
+        integer("COLUMNS ROWS", "2 to 41 points along X and Y", 0, MOST_POINTS, default=0),
+        number("X0 Y0", "the first point", "mm"),
+        number("X1 Y1", "the last point", "mm"),
         kind=Kind.PROBED,
-        bare=None,
         lacks=NO_PROBE,
     )
     def _set_mesh(self, command: Command, _: Reply) -> Wait | None:
-        pairs = command.pairs()
-        columns, rows = (int(number(pairs, name, 0.0)) for name in ("COLUMNS", "ROWS"))
+        columns, rows = command.integer("COLUMNS"), command.integer("ROWS")
         now = self._correction.correction or Correction(fade=self.fade)
         if columns == 0:
             return WaitForMoves(lambda: self._store(replace(now, mesh=None)))
-        if not (2 <= columns <= 41 and 2 <= rows <= 41):
+        if min(columns, rows) < 2:
             raise CommandError.of(
                 "command.value",
                 axis="SET_BED_MESH",
                 value=f"{columns} × {rows}",
-                limit="2 to 41 COLUMNS and ROWS",
+                limit=f"2 to {MOST_POINTS} COLUMNS and ROWS",
             )
-        x0, y0, x1, y1 = (number(pairs, name) for name in ("X0", "Y0", "X1", "Y1"))
+        x0, y0, x1, y1 = (command.value(name) for name in ("X0", "Y0", "X1", "Y1"))
         xs = tuple(round(x0 + (x1 - x0) * i / (columns - 1), 6) for i in range(columns))
         ys = tuple(round(y0 + (y1 - y0) * j / (rows - 1), 6) for j in range(rows))
         mesh = Mesh(xs, ys, ((0.0,) * columns,) * rows)
@@ -347,11 +342,12 @@ class BedCorrectionCommands:
         "BED_MESH_PROFILE",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "LOAD SAVE REMOVE",
         "Stores the mesh under a name, loads it, or removes it. It stays on the disk, with its date"
         " and the temperature of the bed. Without parameters it lists them.",
+        text("LOAD", "the name of a mesh to use"),
+        text("SAVE", "the name under which the mesh is stored"),
+        text("REMOVE", "the name of a mesh to delete"),
         kind=Kind.SERVED,
-        bare=None,
         lacks=NO_PROBE,
     )
     def _profile(self, command: Command, reply: Reply) -> Wait | None:
@@ -375,10 +371,9 @@ class BedCorrectionCommands:
         "M374",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        'P"name"',
         "Stores the mesh under a name, as BED_MESH_PROFILE SAVE; without P as `default`.",
+        rest('P"name"', "the name of the mesh, by default `default`"),
         kind=Kind.SERVED,
-        bare=None,
         lacks=NO_PROBE,
     )
     def _save(self, command: Command, reply: Reply) -> Wait | None:
@@ -391,10 +386,9 @@ class BedCorrectionCommands:
         "M375",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        'P"name"',
         "Corrects by a stored mesh, as BED_MESH_PROFILE LOAD; without P by `default`.",
+        rest('P"name"', "the name of the mesh, by default `default`"),
         kind=Kind.SERVED,
-        bare=None,
         lacks=NO_PROBE,
     )
     def _load(self, command: Command, reply: Reply) -> Wait | None:

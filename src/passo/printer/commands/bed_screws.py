@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Literal
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import choice, integer, number
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.levelling.screws import Screw, adjustments
 from passo.motion.probing import Measured, Place, Prober
-from passo.printer.commands.klipper_commands import number
 from passo.printer.status import ScrewStatus
 from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from passo.printer.commands.manual_probe import ManualProbe
 
 NO_SCREWS = "The machine file has no [levelling.screws], or no probe."
-_THREADS: dict[float, Thread] = {
+_THREADS: dict[int, Thread] = {
     30: "M3 cw",
     31: "M3 ccw",
     40: "M4 cw",
@@ -43,21 +43,19 @@ class ScrewCommands:
         "G35",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "S",
         "Measures the bed above its screws, and reports how far to turn each so that all are as"
         " high as the first. S30, S31, S40, S41, S50 and S51 are screws M3 to M5 in place of those"
         " of the machine file; with 1, clockwise lowers the bed.",
+        integer("S", "the thread: M3, M4 or M5, and 1 if clockwise lowers the bed", 30, 51),
         kind=Kind.PROBED,
         lacks=NO_SCREWS,
     )
     def _assist(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.words()
         thread = self._config.thread
-        if "S" in words:
-            if words["S"] not in _THREADS:
-                limit = ", ".join(f"{code:g}" for code in _THREADS)
-                raise CommandError.bad_value("S", words["S"], limit)
-            thread = _THREADS[words["S"]]
+        if (code := command.integer("S", None)) is not None:
+            if code not in _THREADS:
+                raise CommandError.bad_value("S", code, ", ".join(map(str, _THREADS)))
+            thread = _THREADS[code]
 
         async def measure() -> None:
             for screw in _adjusted(await self._heights(), thread, None)[1:]:
@@ -71,36 +69,25 @@ class ScrewCommands:
         "SCREWS_TILT_CALCULATE",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "DIRECTION(CW|CCW) MAX_DEVIATION(mm)",
         "As G35, as Klipper reports it: turns and minutes of a clock. With DIRECTION no screw is"
         " turned the other way. It is an error if the screws differ by more than MAX_DEVIATION.",
+        choice("DIRECTION", "no screw is turned the other way", "CW", "CCW"),
+        number("MAX_DEVIATION", "an error if the screws differ by more", "mm"),
         kind=Kind.PROBED,
-        bare=None,
         lacks=NO_SCREWS,
     )
     def _calculate(self, command: Command, reply: Reply) -> Wait | None:
-        pairs = command.pairs()
-        most = number(pairs, "MAX_DEVIATION") if "MAX_DEVIATION" in pairs else None
-        match pairs.get("DIRECTION", "").upper():
-            case "":
-                direction = None
-            case "CW" | "CCW" as given:
-                direction: Direction | None = given
-            case given:
-                raise CommandError.of(
-                    "command.value", axis="DIRECTION", value=given, limit="CW or CCW"
-                )
+        most, given = command.value("MAX_DEVIATION", None), command.string("DIRECTION").upper()
+        direction: Direction | None = "CW" if given == "CW" else "CCW" if given else None
         return WaitForProcedure(partial(self._report, direction, most, reply))
 
     @command(
         "BED_SCREWS_ADJUST",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "",
         "Leads the nozzle over each screw, at Z 0: turn it until a sheet of paper just moves, then"
         " send ADJUSTED, or ACCEPT if it need not be turned.",
         kind=Kind.SERVED,
-        bare=None,
         lacks=NO_SCREWS,
     )
     def _adjust(self, _: Command, reply: Reply) -> Wait | None:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 from passo.board.exchange import LEAD_S
 from passo.config.pin_names import MAIN, placed
-from passo.errors import CommandError
 from passo.gcode.command import Command
-from passo.gcode.registry import ANY, Kind, Subject, When, command
+from passo.gcode.parameters import anything, number
+from passo.gcode.registry import Kind, Subject, When, command
 from passo.printer.state import State
 from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
 
@@ -117,18 +117,15 @@ class Beeper:
         "M300",
         Subject.OUTPUTS,
         When.PLANNED,
-        "S(Hz) P(ms)",
         "Sounds the [beeper] of the machine file; S0 is a pause.",
+        number("S", "the pitch; 0: a pause", "Hz", 0, default=_HZ),
+        number("P", "the length", "ms", 0, default=_MS),
+        anything(),
         kind=Kind.QUIET,
-        bare=ANY,
         lacks="The machine file has no [beeper].",
     )
     def _beep(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.words()
-        hz, ms = words.get("S", _HZ), words.get("P", _MS)
-        for letter, value in (("S", hz), ("P", ms)):
-            if value < 0:
-                raise CommandError.bad_value(letter, value, "0 or more")
+        hz, ms = command.value("S"), command.value("P")
         longest_ms = self._longest_s * 1000
         if hz > self._highest_hz or ms > longest_ms:
             limits = f"{self._highest_hz} Hz and {longest_ms:g} ms"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from math import cos, hypot, radians, sin
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import choice, ignored, integer, number, text
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.geometry.base import Point, Unreachable
 from passo.geometry.delta import Delta, rise_mm
@@ -24,8 +25,7 @@ from passo.levelling.delta_calibration import (
     printed_distances,
 )
 from passo.motion.probing import Measured, Place, Prober
-from passo.printer.commands.klipper_commands import number
-from passo.printer.commands.manual_probe import ManualProbe, by_hand
+from passo.printer.commands.manual_probe import METHODS, ManualProbe, by_hand
 from passo.printer.wait_requests import Reply, Wait, WaitForMoves, WaitForProcedure
 from passo.probes.base import SensingProbe
 
@@ -111,85 +111,81 @@ class DeltaCommands:
         "G33",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "P(3-10) R(mm) F(6-7)",
         "Calibrates a delta: probes 7 points (19 from P4 on) within the radius R, and finds radius,"
         " angles of the towers and endstops; F7 also a common length of the rods, which heights"
         " hardly determine. A result that does not make the bed flatter is dropped.",
+        number("P", "7 points, 19 from 4 on", low=3, high=10, default=3),
+        number("R", "the radius of the points", "mm", 0, above=True),
+        integer("F", "7: also the length of the rods", 6, 7, default=6),
+        ignored("V T E C"),
         kind=Kind.PROBED,
         lacks=NO_PROBE,
     )
     def _auto_calibrate(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.words()
-        points, factors = words.get("P", 3.0), words.get("F", 6.0)
-        if not 3 <= points <= 10:
-            raise CommandError.bad_value("P", points, "3 to 10")
-        if factors not in (6, 7):
-            raise CommandError.bad_value("F", factors, "6 or 7")
-        return self._calibration(reply, words.get("R"), many=points >= 4, rods=factors == 7)
+        many, rods = command.value("P") >= 4, command.integer("F") == 7
+        return self._calibration(reply, command.value("R", None), many=many, rods=rods)
 
     @command(
         "DELTA_CALIBRATE",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "METHOD",
         "Calibrates a delta with 7 points, as G33. METHOD=manual, or a delta without a probe,"
         " measures them by the paper test.",
+        choice("METHOD", "manual: by the paper test", *METHODS),
         kind=Kind.PROBED,
-        bare=None,
         lacks=NO_DELTA,
     )
     def _calibrate(self, command: Command, reply: Reply) -> Wait | None:
-        if self._by_hand(command.pairs()):
+        if self._by_hand(command):
             return self._paper_test(6, reply)
         return self._calibration(reply, None, many=False, rods=False)
 
-    def _by_hand(self, words: Mapping[str, str]) -> bool:
-        """Whether the points are measured by the paper test. Raises CommandError."""
-        return by_hand(words) or not isinstance(self._prober.carried, SensingProbe)
+    def _by_hand(self, command: Command) -> bool:
+        """Whether the points are measured by the paper test."""
+        return by_hand(command) or not isinstance(self._prober.carried, SensingProbe)
 
     @command(
         "DELTA_ANALYZE",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "CENTER_DISTS(6, mm) CENTER_PILLAR_WIDTHS(3) OUTER_DISTS(6) OUTER_PILLAR_WIDTHS(6) SCALE"
-        " CALIBRATE METHOD MANUAL_HEIGHT(mm)",
         "Takes the lengths that were measured on Klipper's calibration part, with commas, in one"
         " command or several. The part was printed with the geometry in force. CALIBRATE=extended"
         " then probes 7 points as G33, and finds the lengths of the rods, too. Without a probe, it"
         " uses the points of the last DELTA_CALIBRATE; METHOD=manual measures them by the paper"
         " test. MANUAL_HEIGHT is the true height of the nozzle where it is, as one more point.",
+        text("CENTER_DISTS", "6 lengths in mm, with commas"),
+        text("CENTER_PILLAR_WIDTHS", "3 lengths in mm"),
+        text("OUTER_DISTS", "6 lengths in mm"),
+        text("OUTER_PILLAR_WIDTHS", "6 lengths in mm"),
+        number("SCALE", "the factor of the printed part", low=0.1, high=10, default=1),
+        choice("CALIBRATE", "calculates", "extended"),
+        choice("METHOD", "manual: by the paper test", *METHODS),
+        number("MANUAL_HEIGHT", "the true height of the nozzle where it is", "mm", -10, 10),
         kind=Kind.PROBED,
-        bare=None,
         lacks=NO_DELTA,
     )
     def _analyze(self, command: Command, reply: Reply) -> Wait | None:
-        pairs = command.pairs()
-        if "MANUAL_HEIGHT" in pairs:
-            height = _within("MANUAL_HEIGHT", number(pairs, "MANUAL_HEIGHT"), -10, 10)
+        if (height := command.value("MANUAL_HEIGHT", None)) is not None:
             return WaitForMoves(lambda: self._add_height(height, reply))
         for key, count in _MEASURED.items():
-            if key in pairs:
-                self._printed[key] = _list(key, pairs[key], count)
-        scale = _within("SCALE", number(pairs, "SCALE", 1.0), 0.1, 10)
+            if command.has(key):
+                self._printed[key] = _list(key, command.string(key), count)
         missing = [key for key in _MEASURED if key not in self._printed]
-        how = pairs.get("CALIBRATE")
-        if how is None:
+        if not command.has("CALIBRATE"):
             reply.say(f"// Still to measure: {', '.join(missing) or 'nothing; CALIBRATE=extended'}")
             return None
-        if how != "extended":
-            raise CommandError.of("command.value", axis="CALIBRATE", value=how, limit="extended")
         if missing:
             raise CommandError.of("input.missing-word", axis="the command", value=missing[0])
         center, center_widths, outer, outer_widths = (self._printed[key] for key in _MEASURED)
         try:
             distances = printed_distances(
-                *(self._now, center, center_widths, outer, outer_widths, scale)
+                *(self._now, center, center_widths, outer, outer_widths, command.value("SCALE"))
             )
         except Unreachable as error:
             raise CommandError.of("levelling.delta-nowhere", value=error) from None
-        if not self._by_hand(pairs):
+        if not self._by_hand(command):
             return WaitForProcedure(partial(self._find, self._seven(), 9, reply, distances))
-        if "METHOD" in pairs or not self._touched:
+        if command.has("METHOD") or not self._touched:
             return self._paper_test(9, reply, distances)
         return WaitForMoves(lambda: self._fit(9, reply, distances))
 
@@ -237,7 +233,7 @@ class DeltaCommands:
     ) -> Wait:
         if radius_mm is None:
             radius_mm = self._config.delta.radius_mm or self._reach_mm()
-        elif not 0 < radius_mm <= self._reach_mm():
+        elif radius_mm > self._reach_mm():
             raise CommandError.bad_value("R", radius_mm, f"more than 0, at most {self._reach_mm()}")
         places = list(_spread(radius_mm, many=many))
         return WaitForProcedure(partial(self._find, places, 7 if rods else 6, reply))
@@ -301,10 +297,15 @@ class DeltaCommands:
         "M665",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "L R H A B C (mm) X Y Z(degrees)",
         "Sets the geometry of a delta: the length L of the rods, to which A, B and C add for one"
         " each, the radius R, the height H of the nozzle at home in the middle, and what X, Y and Z"
         " add to 210, 330 and 90 degrees. Without parameters it reports them.",
+        number("L", "the length of the rods", "mm", 1, 1e4),
+        number("R", "the radius", "mm", 1, 1e4),
+        number("H", "the height of the nozzle at home", "mm", 0, 1e4),
+        number("A B C", "what one rod is longer than L", "mm"),
+        number("X Y Z", "what a tower stands off its angle", "degrees"),
+        ignored("S D E"),
         kind=Kind.PROBED,
         lacks=NO_DELTA,
     )
@@ -332,12 +333,12 @@ class DeltaCommands:
         angles, rods = list(geometry.angles), list(geometry.rods)
         for i, (letter, tower) in enumerate(zip("XYZ", _TOWERS, strict=True)):
             if letter in words:
-                angles[i] = _within(letter, _ANGLES[i] + words[letter], -360, 360)
+                angles[i] = _ANGLES[i] + words[letter]
             if "L" in words:
                 rods[i] = _within("L", words["L"] + words.get(tower, 0.0), 1, 1e4)
-        radius = _within("R", words.get("R", geometry.radius), 1, 1e4)
+        radius = words.get("R", geometry.radius)
         if "H" in words:
-            rise = _within("H", words["H"], 0, 1e4) - self._height(heights)
+            rise = words["H"] - self._height(heights)
             heights = [e + rise for e in heights]
         update = {"radius": radius, "angles": angles, "rods": rods}
         self._use(_with_heights(geometry.model_copy(update=update), heights))
@@ -379,32 +380,35 @@ class DeltaCommands:
         "SET_DELTA",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "RADIUS ROD_A ROD_B ROD_C ENDSTOP_A ENDSTOP_B ENDSTOP_C (mm) ANGLE_A ANGLE_B"
-        " ANGLE_C(degrees)",
         "Sets the geometry of a delta as the machine file has it and M500 stores it. ENDSTOP is the"
         " position of a carriage at its endstop.",
+        number("RADIUS", "the radius", "mm", 1, 1e4),
+        number("ROD_A ROD_B ROD_C", "the length of a rod", "mm", 1, 1e4),
+        number(
+            "ENDSTOP_A ENDSTOP_B ENDSTOP_C",
+            "the position of a carriage at its endstop",
+            "mm",
+            -1e4,
+            1e4,
+        ),
+        number("ANGLE_A ANGLE_B ANGLE_C", "the angle of a tower", "degrees", -360, 360),
         kind=Kind.PROBED,
-        bare=None,
         lacks=NO_DELTA,
     )
     def _set_delta(self, command: Command, _: Reply) -> Wait | None:
-        pairs = command.pairs()
         delta = self._now
         geometry = delta.geometry
 
-        def three(name: str, before: Sequence[float], low: float, high: float) -> list[float]:
+        def three(name: str, before: Sequence[float]) -> list[float]:
             keys = [f"{name}_{tower}" for tower in _TOWERS]
-            return [
-                _within(key, number(pairs, key, value), low, high)
-                for key, value in zip(keys, before, strict=True)
-            ]
+            return [command.value(k, value) for k, value in zip(keys, before, strict=True)]
 
         update = {
-            "radius": _within("RADIUS", number(pairs, "RADIUS", geometry.radius), 1, 1e4),
-            "angles": three("ANGLE", geometry.angles, -360, 360),
-            "rods": three("ROD", geometry.rods, 1, 1e4),
+            "radius": command.value("RADIUS", geometry.radius),
+            "angles": three("ANGLE", geometry.angles),
+            "rods": three("ROD", geometry.rods),
         }
-        a, b, c = three("ENDSTOP", delta.endstops, -1e4, 1e4)
+        a, b, c = three("ENDSTOP", delta.endstops)
         new = DeltaMachine(geometry.model_copy(update=update), (a, b, c))
         return WaitForMoves(lambda: self._use(new))
 

@@ -14,7 +14,8 @@ from passo.config.part_names import found_name
 from passo.config.trinamic import largest_current_ma, least_current_ma
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
-from passo.gcode.registry import ANY, AXES, Kind, Subject, When, command
+from passo.gcode.parameters import TOOL, axes, integer, refused, text
+from passo.gcode.registry import Kind, Subject, When, command
 from passo.printer.wait_requests import Reply, Wait
 
 if TYPE_CHECKING:
@@ -23,6 +24,12 @@ if TYPE_CHECKING:
     from passo.printer.watch.driver_status import DriverWatch
 
 _MOTORS = "XYZABCUVWE"  # letters of axes, actuators and extruders
+
+
+def _check_modes(command: Command, _: object) -> None:
+    """M569. Raises CommandError for values of the machine file."""
+    if command.words() and not command.has("S"):
+        raise CommandError.of("command.fixed", value="steppers")
 
 
 class DriverCommands:
@@ -37,8 +44,10 @@ class DriverCommands:
         "M906",
         Subject.MOTORS,
         When.PLANNED,
-        "X Y Z E(mA) I T",
         "Sets the currents of drivers with registers.",
+        axes("X Y Z E", "the current of a motor", "mA", 0, but="I"),
+        integer("I", "which motor of the axis", 0),
+        TOOL,
         kind=Kind.SERVED,
     )
     def _currents(self, command: Command, reply: Reply) -> Wait | None:
@@ -74,14 +83,13 @@ class DriverCommands:
         "INIT_TMC",
         Subject.MOTORS,
         When.PLANNED,
-        "STEPPER",
         "Writes the settings of a driver with registers again, as after its power was off.",
+        text("STEPPER", "the name of the motor"),
         kind=Kind.SERVED,
-        bare=None,
     )
     def _initialise(self, command: Command, _: Reply) -> Wait | None:
         named = {stepper_object(motor): motor for motor in self._watch.states}
-        written = command.pairs().get("STEPPER", "")
+        written = command.string("STEPPER")
         found = found_name(named, written)
         if found is None:
             limit = ", ".join(named) or "a motor whose driver has registers: none here"
@@ -95,10 +103,9 @@ class DriverCommands:
         "M350",
         Subject.MOTORS,
         When.PLANNED,
-        "",
         "Reports the microsteps of drivers with registers.",
+        refused("ABCDEFGHIJKLMNOPQRSTUVWXYZ", "steppers"),
         kind=Kind.QUIET,
-        fixed=(ANY, "steppers"),
     )
     def _microsteps(self, _: Command, reply: Reply) -> Wait | None:
         """M350 does not change microsteps: they determine the steps per mm, and both are in the
@@ -111,23 +118,22 @@ class DriverCommands:
         "M569",
         Subject.MOTORS,
         When.PLANNED,
-        "S X Y Z E I T",
         "Reports the modes of drivers with registers. S1 selects stealthChop, S0 spreadCycle.",
+        integer("S", "1: stealthChop, 0: spreadCycle", 0, 1),
+        axes("X Y Z E", "the motors, by default all", alone=True, but="I"),
+        integer("I", "which motor of the axis", 0),
+        TOOL,
         kind=Kind.SERVED,
-        bare=AXES,
+        valid=_check_modes,
     )
     def _modes(self, command: Command, reply: Reply) -> Wait | None:
         """M569. Without S it reports the drivers' settings in the machine file."""
         words = command.words()
         if "S" not in words:
-            if words:
-                raise CommandError.of("command.fixed", value="steppers")
             self._tell_inputs(reply)
             for motor, state in self._watch.states.items():
                 reply.say(f"{motor.upper()} driver mode: {_mode(state)}")
             return None
-        if words["S"] not in (0, 1):
-            raise CommandError.bad_value("S", words["S"], "0 (spreadCycle) or 1 (stealthChop)")
         letters = [letter for letter in command.letters() if letter not in "SIT"]
         motors = list(self._watch.states)
         if letters:
@@ -222,7 +228,6 @@ class DriverCommands:
         "M911",
         Subject.MOTORS,
         When.PLANNED,
-        "",
         "Reports which drivers had a temperature warning.",
         kind=Kind.QUIET,
     )
@@ -236,10 +241,9 @@ class DriverCommands:
         "M912",
         Subject.MOTORS,
         When.PLANNED,
-        "X Y Z E",
         "Clears the temperature warnings of drivers.",
+        axes("X Y Z E", "the motors, by default all", alone=True),
         kind=Kind.QUIET,
-        bare=AXES,
     )
     def _forget_prewarnings(self, command: Command, reply: Reply) -> Wait | None:
         letters = command.letters()

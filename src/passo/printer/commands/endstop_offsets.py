@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import integer, number
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.printer.wait_requests import Reply, Wait, WaitForMoves
 
@@ -27,11 +28,12 @@ class EndstopCommands:
         "M666",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "X Y Z S(mm)",
         "Sets how much endstops are off. X, Y and Z are the towers of a delta: as Marlin has it, at"
         ' most 0, and lower for a higher endstop; with levelling.dialect = "rrf" higher for a'
         " higher endstop. On other machines Z is the endstop of motor S of Z (2), and higher for a"
         " higher endstop. Without parameters it reports them.",
+        number("X Y Z", "the offset", "mm", -_MOST_MM, _MOST_MM),
+        integer("S", "the motor of Z", 1, default=2),
         kind=Kind.PROBED,
         lacks=NO_OFFSETS,
     )
@@ -53,6 +55,4 @@ class EndstopCommands:
         names, n, mm = list(motors.offsets), words.get("S", 2.0), words["Z"]
         if n not in range(1, len(names) + 1):
             raise CommandError.bad_value("S", n, f"1 to {len(names)}")
-        if abs(mm) > _MOST_MM:
-            raise CommandError.bad_value("Z", mm, f"-{_MOST_MM:g} to {_MOST_MM:g} mm")
         return WaitForMoves(lambda: motors.use(motors.offsets | {names[int(n) - 1]: mm}))

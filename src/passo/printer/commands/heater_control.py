@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TypeAlias, TypeVar
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
 from passo import _core
 from passo.config.gains import doubt
 from passo.config.heat import HeatModel
-from passo.config.heater_numbers import KINDS, number_of
+from passo.config.heater_numbers import KINDS, heater_of, number_of
 from passo.config.model_findings import expected
 from passo.config.sensor_tables import converter_of, reads_within, sensor_table, step_c
 from passo.config.sensors import Thermistor
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
+from passo.gcode.parameters import ignored, integer, number, refused
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.heat.rules import FULL_POWER, Gains
 from passo.printer.live_rig import LiveRig
 from passo.printer.setup.sensors import sensor_of
 from passo.printer.wait_requests import Reply, Wait
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
 
 Control: TypeAlias = _core.PidControl | _core.OnOffControl | _core.ModelControl | _core.RelayControl
 _Table = TypeVar("_Table", bound=BaseModel)
@@ -42,6 +46,38 @@ _MODEL_KEYS = {
 }
 
 
+HEATER = number("H", "the heater; -1 is the bed", default=0, also="E")
+
+
+def heater_in(command: Command, machine: MachineConfig) -> str:
+    """The heater that H (or E) of a command selects. Raises CommandError if there is none."""
+    return _heater(machine, command.integer("H", command.integer("E", 0)))
+
+
+def _heater(machine: MachineConfig, index: int) -> str:
+    """The heater with this H number. Raises CommandError if there is none."""
+    kind = KINDS.get(index, "hotend")
+    found = heater_of(machine, kind, max(index, 0))
+    if found is None:
+        there = sum(heater.kind == kind for heater in machine.heaters.values())
+        raise CommandError.of("heat.unknown", axis=kind, value=max(index, 0), limit=there)
+    return found
+
+
+def _check_pid(command: Command, machine: MachineConfig) -> None:
+    """M306 on this machine. Raises CommandError."""
+    name = heater_in(command, machine)
+    if command.has("A", "B") and machine.heaters[name].control.kind != "pid":
+        raise CommandError.of("heat.no-pid", axis=name)
+
+
+def _check_model(command: Command, machine: MachineConfig) -> None:
+    """M307 on this machine. Raises CommandError."""
+    name = heater_in(command, machine)
+    if machine.heaters[name].control.kind != "model":
+        raise CommandError.of("heat.no-model", axis=name)
+
+
 class ControlCommands:
     """M301 and M304 to M307 of one printer."""
 
@@ -55,12 +91,6 @@ class ControlCommands:
     # -- which heater, and its controller
     # -----------------------------------------------------------
 
-    def named(self, words: dict[str, float], otherwise: int = 0) -> str:
-        """The heater that H (or E) of a command selects. Raises CommandError if there is none."""
-        number = int(words.get("H", words.get("E", otherwise)))
-        kind = KINDS.get(number, "hotend")
-        return self._rig.commands.set_points.heater(kind, max(number, 0))
-
     def number_of(self, name: str) -> int | None:
         """The H number of a heater; None if it has none."""
         return number_of(self._machine, name)
@@ -68,9 +98,8 @@ class ControlCommands:
     def _numbered(self, names: Sequence[str]) -> Iterator[tuple[int, str]]:
         """The heaters of these names (default: all) that have a number, with the number."""
         for name in names or self._machine.heaters:
-            number = self.number_of(name)
-            if number is not None:
-                yield number, name
+            if (index := self.number_of(name)) is not None:
+                yield index, name
 
     def control(self, name: str) -> Control:
         """The controller of a heater; during a tune, the one that the heater gets back
@@ -122,26 +151,28 @@ class ControlCommands:
         "M301",
         Subject.HEATERS,
         When.IMMEDIATE,
-        "H P I D",
         "Sets the PID gains of heater H, in 1/255 of full power as in the machine file; H-1 is"
         " the bed.",
+        HEATER,
+        number("P I D", "a gain, in 1/255 of full power", low=0),
+        ignored("C L"),
         kind=Kind.SERVED,
+        valid=heater_in,
     )
     def _gains(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.words()
-        return self._set_gains(self.named(words), words, reply)
+        return self._set_gains(heater_in(command, self._machine), command.words(), reply)
 
     @command(
         "M304",
         Subject.HEATERS,
         When.IMMEDIATE,
-        "P I D",
         "As M301 for the bed.",
+        number("P I D", "a gain, in 1/255 of full power", low=0),
+        ignored("C L"),
         kind=Kind.SERVED,
     )
     def _bed_gains(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.words()
-        return self._set_gains(self.named({}, -1), words, reply)
+        return self._set_gains(_heater(self._machine, -1), command.words(), reply)
 
     def _set_gains(self, name: str, words: dict[str, float], reply: Reply) -> Wait | None:
         given = {k: v for k, v in words.items() if k in "PID"}
@@ -151,9 +182,6 @@ class ControlCommands:
             for line in self.gain_lines(name):
                 reply.say(line)
             return None
-        for letter, value in given.items():
-            if value < 0:
-                raise CommandError.bad_value(letter, value, "a number of at least 0")
         old = self.control(name)
         if not isinstance(old, _core.PidControl):
             raise CommandError.of("heat.no-pid", axis=name)
@@ -168,11 +196,11 @@ class ControlCommands:
 
     def gain_lines(self, *names: str) -> Iterator[str]:
         """M301 for each of these heaters (default: all) that has gains."""
-        for number, name in self._numbered(names):
+        for index, name in self._numbered(names):
             control = self.control(name)
             if isinstance(control, _core.PidControl):
                 p, i, d = map(numeral, (control.kp, control.ki, control.kd))
-                yield f"M301 H{number} P{p} I{i} D{d}"
+                yield f"M301 H{index} P{p} I{i} D{d}"
 
     # -- models -----------------------------------------------------------------------------------
 
@@ -180,14 +208,20 @@ class ControlCommands:
         "M307",
         Subject.HEATERS,
         When.IMMEDIATE,
-        "H A C D F R",
         "Sets the thermal model of heater H: rise in °C, time constant in s, sensor lag in s,"
         " loss by the fan, ambient temperature.",
+        HEATER,
+        number("A", "the rise at full power", "°C", 0, above=True),
+        number("C", "the time constant", "s", 0, above=True),
+        number("D", "the lag of the sensor", "s", 0, above=True),
+        number("F", "the loss by the fan", low=0),
+        number("R", "the temperature of the surroundings", "°C"),
         kind=Kind.SERVED,
+        valid=_check_model,
     )
     def _model(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
-        name = self.named(words)
+        name = heater_in(command, self._machine)
         old = self.control(name)
         if not isinstance(old, _core.ModelControl):
             raise CommandError.of("heat.no-model", axis=name)
@@ -206,13 +240,13 @@ class ControlCommands:
 
     def model_lines(self, *names: str) -> Iterator[str]:
         """M307 for each of these heaters (default: all) that has a model-predictive controller."""
-        for number, name in self._numbered(names):
+        for index, name in self._numbered(names):
             control = self.control(name)
             if isinstance(control, _core.ModelControl):
                 words = (
                     f"{k}{numeral(getattr(control.model, key))}" for k, key in _MODEL_KEYS.items()
                 )
-                yield f"M307 H{number} {' '.join(words)}"
+                yield f"M307 H{index} {' '.join(words)}"
 
     # -- sensors and limits -----------------------------------------------------------------------
 
@@ -220,13 +254,20 @@ class ControlCommands:
         "M305",
         Subject.HEATERS,
         When.IMMEDIATE,
-        "H A B C R L O",
         "Sets the thermistor of heater H: R25, beta, C, pull-up, offsets.",
+        HEATER,
+        number("A", "the resistance at 25 °C", "Ω"),
+        number("B", "β", "K", 100, 20_000),
+        number("C", "C of the Steinhart-Hart equation", "1/K", 0, 1e-5),
+        number("R", "the pull-up", "Ω"),
+        number("L O", "an offset of the ADC"),
+        ignored("T P"),
         kind=Kind.SERVED,
+        valid=heater_in,
     )
     def _sensor(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
-        name = self.named(words)
+        name = heater_in(command, self._machine)
         sensor = self.sensors[name]
         given = {k: v for k, v in words.items() if k in _SENSOR_KEYS}
         if not isinstance(sensor, Thermistor):
@@ -248,11 +289,11 @@ class ControlCommands:
 
     def sensor_lines(self, *names: str) -> Iterator[str]:
         """M305 for each of these heaters (default: all) that has a thermistor."""
-        for number, name in self._numbered(names):
+        for index, name in self._numbered(names):
             s = self.sensors[name]
             if isinstance(s, Thermistor):
                 yield (
-                    f"M305 H{number} A{numeral(s.r25_ohm)} B{numeral(s.beta_k)}"
+                    f"M305 H{index} A{numeral(s.r25_ohm)} B{numeral(s.beta_k)}"
                     f" C{numeral(s.c_per_k)} R{numeral(s.pullup_ohm)} L{numeral(s.adc_offset_low)}"
                     f" O{numeral(s.adc_offset_high)}"
                 )
@@ -261,16 +302,20 @@ class ControlCommands:
         "M306",
         Subject.HEATERS,
         When.IMMEDIATE,
-        "H A B",
         "Sets the limits of a PID's integral, in 1/255. Without parameters it reports all limits"
         " of the heater.",
+        integer("H E", "the heater; -1 is the bed", default=0),
+        number(
+            "A", "the least output of the integral, in 1/255 of full power", low=0, high=FULL_POWER
+        ),
+        number("B", "the largest", low=0, high=FULL_POWER),
+        refused("CDFGIJKLMNOPQRSTUVWXYZ", "heaters"),
         kind=Kind.SERVED,
+        valid=_check_pid,
     )
     def _limits(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
-        name = self.named(words)
-        if set(words) - {"A", "B", "E", "H"}:
-            raise CommandError.of("command.fixed", value=f"heaters.{name}")
+        name = heater_in(command, self._machine)
         given = {k: v for k, v in words.items() if k in "AB"}
         h, old = self._machine.heaters[name], self.control(name)
         if given:
@@ -288,9 +333,6 @@ class ControlCommands:
         old = self.control(name)
         if not isinstance(old, _core.PidControl):
             raise CommandError.of("heat.no-pid", axis=name)
-        for letter, value in given.items():
-            if not 0 <= value <= FULL_POWER:
-                raise CommandError.bad_value(letter, value, f"0 to {FULL_POWER:g}")
         low = given["A"] / FULL_POWER if "A" in given else old.drive_min
         high = given["B"] / FULL_POWER if "B" in given else old.drive_max
         if low >= high:
@@ -303,10 +345,10 @@ class ControlCommands:
 
     def drive_lines(self) -> Iterator[str]:
         """M306 for each heater whose controller limits its integral."""
-        for number, name in self._numbered(()):
+        for index, name in self._numbered(()):
             control = self.control(name)
             if isinstance(control, _core.PidControl):
-                yield f"M306 H{number} {_drive(control)}"
+                yield f"M306 H{index} {_drive(control)}"
 
 
 def _drive(control: _core.PidControl) -> str:

@@ -3,23 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
 
 from passo import _core
 from passo.config.heat import HeatModel, PidControl
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
+from passo.gcode.parameters import flag, ignored, integer, number
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.heat.relay_tune import RelayTune, TuneError
 from passo.heat.rules import RULES, Gains
 from passo.heat.step_tune import StepTune
-from passo.printer.commands.heater_control import ControlCommands, with_gains
+from passo.printer.commands.heater_control import ControlCommands, heater_in, with_gains
 from passo.printer.live_rig import LiveRig
 from passo.printer.state import State
 from passo.printer.targets import Targets
 from passo.printer.wait_requests import Reply, Wait, WaitForTuning
 
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+
 _STEP_RESPONSE = len(RULES)  # the R number after those of the relay rules: finds the model
 _USUAL_C = {"hotend": 200.0, "bed": 70.0, "chamber": 70.0}
+
+
+def _check(command: Command, machine: MachineConfig) -> None:
+    """H and S of M303 on this machine. Raises CommandError."""
+    config = machine.heaters[heater_in(command, machine)]
+    target, least = command.value("S", _USUAL_C[config.kind]), max(config.min_c, 0.0)
+    if target <= least:
+        raise CommandError.bad_value("S", target, f"more than {least:g} C")
 
 
 class TuneCommands:
@@ -36,28 +49,28 @@ class TuneCommands:
         "M303",
         Subject.HEATERS,
         When.EXCLUSIVE,
-        "H S(°C) C R(0-5) U",
         "Tunes heater H at temperature S: by relay oscillation in C cycles, R5 by a model. R is the"
         " rule for the gains. With U1 the result is in use until a restart; M500 stores it.",
+        integer("H E", "the heater; -1 is the bed", -1, default=0),
+        number("S", "the temperature", "°C"),
+        integer("C", "the cycles of the relay oscillation", 1, default=5),
+        integer("R", "the rule for the gains; 5: by a model", 0, _STEP_RESPONSE, default=0),
+        flag("U", "uses the result"),
+        ignored("F L D P"),
         kind=Kind.SERVED,
-        bare="U",
+        valid=_check,
     )
     def _tune(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.words()
-        name = self._controls.named(words)
+        name = heater_in(command, self._machine)
         config = self._machine.heaters[name]
         hotend = config.kind == "hotend"
         label = f"Hotend:{self._controls.number_of(name)}" if hotend else config.kind.upper()
-        target = words.get("S", _USUAL_C[config.kind])
-        if target <= (least := max(config.min_c, 0.0)):
-            raise CommandError.bad_value("S", target, f"more than {least:g} C")
+        target = command.value("S", _USUAL_C[config.kind])
         tune: RelayTune | StepTune
         board = self._rig.connection.connection_of("heaters", name).board
         hz = float(board.clock_hz)
         try:
-            cycles, rule = int(words.get("C", 5)), int(words.get("R", 0))
-            if not 0 <= rule <= _STEP_RESPONSE:
-                raise CommandError.bad_value("R", rule, f"0 to {_STEP_RESPONSE}")
+            cycles, rule = command.integer("C"), command.integer("R")
             if rule == _STEP_RESPONSE or config.control.kind == "model":
                 tune = StepTune(
                     label, target, clock_hz=hz, limit_c=config.max_c, with_fan=bool(config.fan)
@@ -74,7 +87,7 @@ class TuneCommands:
             reply.fail(str(error))
             return None
         self._controls.take_back(name)  # after a tune that a halt has ended
-        asked = words.get("U", 1.0 if "U" in command.letters() else 0.0) != 0
+        asked = command.flag("U")
         apply = asked and fits
         for line in tune.begin(" Apply result" if apply else ""):
             reply.say(line)

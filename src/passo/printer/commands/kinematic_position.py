@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from passo.gcode.command import Command
 from passo.motion.set_position import place_of_axes
-from passo.printer.commands.klipper_commands import number
 
 if TYPE_CHECKING:
     from passo import _core
@@ -27,8 +26,8 @@ def positions(command: Command, machine: MachineConfig, job: _core.Job) -> Posit
     given = [axis for axis in "XYZ" if axis in pairs]
     if not given and "CLEAR_HOMED" not in pairs:
         given = list("XYZ")
-    text = " ".join(f"{axis}{number(pairs, axis, at['XYZ'.index(axis)]):.9f}" for axis in given)
-    places = place_of_axes(Command(command.line, "G", 92, 0, "", text), machine, job)
+    placed = {axis: round(command.value(axis, at["XYZ".index(axis)]), 9) for axis in given}
+    places = place_of_axes(Command.call("G92", **placed), machine, job)
     homed = pairs.get("SET_HOMED", "xyz").lower()
     lost = {a for a in pairs.get("CLEAR_HOMED", "").lower() if a in "xyz"}
     lost |= {axis.lower() for axis in given if axis.lower() not in homed}

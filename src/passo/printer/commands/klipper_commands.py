@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from math import isfinite, nan
 from typing import TYPE_CHECKING
 
 from passo.config.heater_numbers import number_of
@@ -13,6 +12,7 @@ from passo.config.klipper_names import extruder_object, fan_object, heater_objec
 from passo.config.part_names import found_name
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
+from passo.gcode.parameters import flag, number, text
 from passo.gcode.registry import Subject, When, command, in_program
 from passo.printer.stand_ins import FANS, HEATERS
 from passo.printer.wait_requests import without_effect
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from passo.printer.stand_ins import StandIns
     from passo.printer.wait_requests import Reply
 
-_Words = Mapping[str, str]
 _OF_PAGES = "_ui_"  # prefix of states that web pages save before manual moves, which are in mm
 _DEFAULT = "default"  # name of a state that is saved without a name
 _SETS = {"hotend": "M104 T{}", "bed": "M140 P{}", "chamber": "M141 P{}"}
@@ -76,15 +75,14 @@ class KlipperCommands:
         "SAVE_GCODE_STATE",
         Subject.MACROS,
         When.PLANNED,
-        "NAME",
         "Saves modes, units, feedrate, factors and position, for RESTORE_GCODE_STATE. After a NAME"
         " that begins with _ui_, as pages have it, lines count in mm (G21).",
-        bare=None,
+        text("NAME", "the name of the state, by default `default`"),
     )
     def _save(self, command: Command, _: Reply) -> None:
         job = self._job
         at = job.program_position
-        name = command.pairs().get("NAME", _DEFAULT)
+        name = command.string("NAME", _DEFAULT)
         self._saved[name] = _Saved(
             modes=tuple(mode for mode in job.modes.gcode.split("\n") if not mode.startswith("T")),
             speed_factor=job.limits.speed_factor,
@@ -99,14 +97,14 @@ class KlipperCommands:
         "RESTORE_GCODE_STATE",
         Subject.MACROS,
         When.PLANNED,
-        "NAME MOVE MOVE_SPEED(mm/s)",
         "Restores what SAVE_GCODE_STATE has saved, but not tool, babysteps and the zero of X, Y and"
         " Z. With MOVE=1 it returns to the position.",
-        bare=None,
+        text("NAME", "the name of the state, by default `default`"),
+        flag("MOVE", "returns to the position"),
+        number("MOVE_SPEED", "the speed of the return", "mm/s", 0, above=True),
     )
     def _restore(self, command: Command, _: Reply) -> None:
-        words, job = command.pairs(), self._job
-        name = words.get("NAME", _DEFAULT)
+        job, name = self._job, command.string("NAME", _DEFAULT)
         saved = self._saved.get(name)
         if saved is None:
             limit = ", ".join(self._saved) or "a name that SAVE_GCODE_STATE has given"
@@ -120,10 +118,10 @@ class KlipperCommands:
             index = list(self._machine.extruders).index(part.extruder) if part.extruder else None
             if index is not None and job.filament.flows[index] != saved.flows[index]:
                 lines.append(f"M221 T{tool} S{numeral(100 * saved.flows[index])}")
-        if number(words, "MOVE", 0.0):
+        if command.flag("MOVE"):
             at = zip("XYZ", saved.program_mm, strict=True)
             place = " ".join(f"{letter}{numeral(mm)}" for letter, mm in at)
-            speed = _lettered(words, {"F": ("MOVE_SPEED", 60)})
+            speed = _lettered(command, {"F": ("MOVE_SPEED", 60)})
             lines += ["G90", f"G1 {place}{speed}"]
         self._become([*lines, *saved.modes])
 
@@ -144,15 +142,13 @@ class KlipperCommands:
         "SET_HEATER_TEMPERATURE",
         Subject.HEATERS,
         When.PLANNED,
-        "HEATER TARGET(°C)",
         "Sets the temperature of a heater by its name. Without TARGET it switches the heater off.",
-        bare=None,
+        text("HEATER", "the name of the heater"),
+        number("TARGET", "the temperature", "°C", default=0),
     )
     def _heat(self, command: Command, reply: Reply) -> None:
-        words = command.pairs()
-        if self._stand_ins.named(HEATERS, words.get("HEATER", "")) and not number(
-            words, "TARGET", 0.0
-        ):
+        driven = self._stand_ins.named(HEATERS, command.string("HEATER")) is None
+        if not driven and not command.value("TARGET"):
             reply.note(command.code, without_effect(command.code, _NOT_DRIVEN))
             return
         self._become(self.lines_of(command))
@@ -161,9 +157,7 @@ class KlipperCommands:
         "TURN_OFF_HEATERS",
         Subject.HEATERS,
         When.PLANNED,
-        "",
         "Switches all heaters off.",
-        bare=None,
     )
     def _all_off(self, command: Command, _: Reply) -> None:
         self._become(self.lines_of(command))
@@ -172,17 +166,16 @@ class KlipperCommands:
         "PID_CALIBRATE",
         Subject.HEATERS,
         When.PLANNED,
-        "HEATER TARGET(°C)",
         "Tunes a heater by its name, as M303 with U1.",
-        bare=None,
+        text("HEATER", "the name of the heater"),
+        number("TARGET", "the temperature", "°C"),
     )
     def _tune(self, command: Command, _: Reply) -> None:
-        words = command.pairs()
-        name = heater_named(self._machine, words, "HEATER")
+        name = heater_named(self._machine, command, "HEATER")
         found = number_of(self._machine, name)
         if found is None:
             raise CommandError.of("command.value", axis="HEATER", value=name, limit=_TUNED)
-        self._become([f"M303 H{found} S{numeral(number(words, 'TARGET'))} U1"])
+        self._become([f"M303 H{found} S{numeral(command.value('TARGET'))} U1"])
 
     def _setting(self, name: str) -> str:
         """The command, with its number, that sets a heater."""
@@ -198,14 +191,13 @@ class KlipperCommands:
         "SET_FAN_SPEED",
         Subject.OUTPUTS,
         When.PLANNED,
-        "FAN SPEED(0-1)",
         "Sets the speed of a fan by its name, as M106.",
-        bare=None,
+        text("FAN", "the name of the fan"),
+        number("SPEED", "the speed", default=0, low=0, high=1, clamped=True),
     )
     def _fan(self, command: Command, reply: Reply) -> None:
-        words = command.pairs()
-        if (state := self._stand_ins.named(FANS, words.get("FAN", ""))) is not None:
-            state["speed"] = number(words, "SPEED", 0.0)
+        if (state := self._stand_ins.named(FANS, command.string("FAN"))) is not None:
+            state["speed"] = command.value("SPEED")
             reply.note(command.code, without_effect(command.code, _NOT_DRIVEN))
             return
         self._become(self.lines_of(command))
@@ -216,18 +208,18 @@ class KlipperCommands:
         lines = TRANSLATED.get(command.code)
         if lines is None:
             return [f"{command.code} {command.text}"]
-        return lines(self, command.pairs())
+        return lines(self, command)
 
-    def heater_lines(self, words: _Words) -> list[str]:
+    def heater_lines(self, command: Command) -> list[str]:
         """The lines of SET_HEATER_TEMPERATURE. Raises CommandError."""
-        target = numeral(number(words, "TARGET", 0.0))
-        return [f"{self._setting(heater_named(self._machine, words, 'HEATER'))} S{target}"]
+        target = numeral(command.value("TARGET"))
+        return [f"{self._setting(heater_named(self._machine, command, 'HEATER'))} S{target}"]
 
-    def off_lines(self, _: _Words) -> list[str]:
+    def off_lines(self, _: Command) -> list[str]:
         """The lines of TURN_OFF_HEATERS."""
         return [f"{self._setting(name)} S0" for name in self._machine.heaters]
 
-    def fan_lines(self, words: _Words) -> list[str]:
+    def fan_lines(self, command: Command) -> list[str]:
         """The lines of SET_FAN_SPEED. Raises CommandError."""
         fans = self._machine.fans
         named = {
@@ -235,34 +227,34 @@ class KlipperCommands:
             for name, fan in fans.items()
             if fan.commanded
         }
-        index = fans[_one_of(words, "FAN", named)].number
-        return [f"M106 P{index} S{numeral(_FULL_FAN * number(words, 'SPEED', 0.0))}"]
+        index = fans[_one_of(command.string("FAN"), "FAN", named)].number
+        return [f"M106 P{index} S{numeral(_FULL_FAN * command.value('SPEED'))}"]
 
     @command(
         "ACTIVATE_EXTRUDER",
         Subject.FILAMENT,
         When.PLANNED,
-        "EXTRUDER",
         "Selects the tool of an extruder by its name: extruder is T0, extruder1 is T1.",
-        bare=None,
+        text("EXTRUDER", "the name of the extruder"),
     )
     def _tool(self, command: Command, _: Reply) -> None:
         tools = range(len(self._machine.all_tools))
         named = {extruder_object(tool): str(tool) for tool in tools}
-        self._become([f"T{_one_of(command.pairs(), 'EXTRUDER', named)}"])
+        self._become([f"T{_one_of(command.string('EXTRUDER'), 'EXTRUDER', named)}"])
 
     @command(
         "SET_RETRACTION",
         Subject.FILAMENT,
         When.PLANNED,
-        "RETRACT_LENGTH RETRACT_SPEED UNRETRACT_EXTRA_LENGTH UNRETRACT_SPEED",
         "Sets how G10 and G11 retract, as M207 and M208; speeds in mm/s.",
-        bare=None,
+        number("RETRACT_LENGTH", "the length", "mm", 0),
+        number("RETRACT_SPEED", "the speed", "mm/s", 0, above=True),
+        number("UNRETRACT_EXTRA_LENGTH", "the extra length of G11", "mm"),
+        number("UNRETRACT_SPEED", "the speed of G11", "mm/s", 0),
     )
     def _retraction(self, command: Command, _: Reply) -> None:
-        words = command.pairs()
-        into = _lettered(words, {"S": ("RETRACT_LENGTH", 1), "F": ("RETRACT_SPEED", 60)})
-        out = _lettered(words, {"S": ("UNRETRACT_EXTRA_LENGTH", 1), "F": ("UNRETRACT_SPEED", 60)})
+        into = _lettered(command, {"S": ("RETRACT_LENGTH", 1), "F": ("RETRACT_SPEED", 60)})
+        out = _lettered(command, {"S": ("UNRETRACT_EXTRA_LENGTH", 1), "F": ("UNRETRACT_SPEED", 60)})
         self._become([*([f"M207{into}"] if into else []), *([f"M208{out}"] if out else [])])
 
     # -- reports and settings ---------------------------------------------------------------------
@@ -271,9 +263,7 @@ class KlipperCommands:
         "QUERY_ENDSTOPS",
         Subject.MOTORS,
         When.PLANNED,
-        "",
         "Reports which endstops are triggered, as M119.",
-        bare=None,
     )
     def _endstops(self, _: Command, __: Reply) -> None:
         self._become(["M119"])
@@ -282,15 +272,13 @@ class KlipperCommands:
         "SAVE_CONFIG",
         Subject.SETTINGS,
         When.PLANNED,
-        "",
         "Stores the settings, as M500.",
-        bare=None,
     )
     def _store(self, _: Command, __: Reply) -> None:
         self._become(["M500"])
 
 
-TRANSLATED: Mapping[str, Callable[[KlipperCommands, _Words], list[str]]] = {
+TRANSLATED: Mapping[str, Callable[[KlipperCommands, Command], list[str]]] = {
     "SET_HEATER_TEMPERATURE": KlipperCommands.heater_lines,
     "TURN_OFF_HEATERS": KlipperCommands.off_lines,
     "SET_FAN_SPEED": KlipperCommands.fan_lines,
@@ -301,41 +289,24 @@ TRANSLATED: Mapping[str, Callable[[KlipperCommands, _Words], list[str]]] = {
 def offset_steps(command: Command, done_mm: Mapping[str, float]) -> dict[str, float]:
     """SET_GCODE_OFFSET: the babystep of X, Y and Z, mm by axis, that leads from `done_mm` to the
     new offset. Raises CommandError."""
-    words = command.pairs()
     found: dict[str, float] = {}
     for name in "xyz":
-        by = number(words, f"{name.upper()}_ADJUST", 0.0)
-        if name.upper() in words:
-            by = number(words, name.upper()) - done_mm[name]
+        by = command.value(f"{name.upper()}_ADJUST", 0.0)
+        if command.has(name.upper()):
+            by = command.value(name.upper()) - done_mm[name]
         found[name] = by
     return found
 
 
-def heater_named(machine: MachineConfig, words: Mapping[str, str], key: str) -> str:
+def heater_named(machine: MachineConfig, command: Command, key: str) -> str:
     """The heater with this Klipper name. Raises CommandError."""
     kind = "heater_generic "
     named = {heater_object(machine, name).removeprefix(kind): name for name in machine.heaters}
-    return _one_of({key: words.get(key, "").removeprefix(kind)}, key, named)
+    return _one_of(command.string(key).removeprefix(kind), key, named)
 
 
-def number(words: _Words, key: str, default: float | None = None) -> float:
-    """The number of a parameter. Raises CommandError."""
-    if key not in words:
-        if default is None:
-            raise CommandError.of("input.missing-word", axis="the command", value=f"{key}=")
-        return default
-    try:
-        value = float(words[key])
-    except ValueError:
-        value = nan
-    if not isfinite(value):
-        raise CommandError.of("command.value", axis=key, value=words[key], limit="a number")
-    return value
-
-
-def _one_of(words: _Words, key: str, named: Mapping[str, str]) -> str:
+def _one_of(written: str, key: str, named: Mapping[str, str]) -> str:
     """The value of a name, in any case. Raises CommandError."""
-    written = words.get(key, "")
     name = found_name(named, written)
     if name is None:
         limit = ", ".join(named) or "none on this machine"
@@ -343,12 +314,12 @@ def _one_of(words: _Words, key: str, named: Mapping[str, str]) -> str:
     return named[name]
 
 
-def _lettered(words: _Words, letters: Mapping[str, tuple[str, float]]) -> str:
+def _lettered(command: Command, letters: Mapping[str, tuple[str, float]]) -> str:
     """The words of a numbered command, from KEY=VALUE parameters; each key has a letter and a
     factor."""
     found = [
-        f" {letter}{numeral(factor * number(words, key))}"
+        f" {letter}{numeral(factor * command.value(key))}"
         for letter, (key, factor) in letters.items()
-        if key in words
+        if command.has(key)
     ]
     return "".join(found)

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 from passo.config.probing import ProbePoint
 from passo.errors import CommandError
 from passo.gcode.command import Command
-from passo.gcode.registry import ANY, Kind, Subject, When, command
+from passo.gcode.parameters import anything, choice, flag, ignored, integer, number, rest, text
+from passo.gcode.registry import Kind, Subject, When, command
 from passo.levelling.areas import Area, Grid, check_avoided, places_around
 from passo.levelling.correction import Correction
 from passo.levelling.fits import check_points, fit
@@ -18,9 +19,8 @@ from passo.levelling.mesh import Interpolation
 from passo.levelling.replies import bilinear_grid
 from passo.motion.probing import Measured, Place, Prober
 from passo.printer.commands.bed_correction import DEFAULT, TERMS, BedCorrectionCommands, exact
-from passo.printer.commands.klipper_commands import number
-from passo.printer.commands.manual_probe import ManualProbe, by_hand
-from passo.printer.commands.mesh_words import given_grid, given_interpolation
+from passo.printer.commands.manual_probe import METHODS, ManualProbe, by_hand
+from passo.printer.commands.mesh_words import ALGORITHMS, given_grid, given_interpolation
 from passo.printer.commands.probe_offsets import ProbeOffsetCommands
 from passo.printer.commands.probing import NO_PROBE
 from passo.printer.status import BedPoint, BedStatus, BedSurface
@@ -78,18 +78,19 @@ class LevellingCommands:
         "G32",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "D, P R(mm)",
         "Measures all enabled points, and corrects the bed by them, or by its mesh if that is the"
         " method; D only measures. P measures one point, and leaves the nozzle R above it.",
+        flag("D", "only measures"),
+        integer("P", "measures this point alone", 1),
+        number("R", "how high above it the nozzle stays", "mm"),
+        ignored("S"),
         kind=Kind.PROBED,
-        bare="D",
         lacks=NO_PROBE,
     )
     def _measure_points(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.words()
-        if "P" in words:
-            return self._one_point(words, reply)
-        dry = "D" in command.letters()
+        if command.has("P"):
+            return self._one_point(command, reply)
+        dry = command.flag("D")
         method = self._config.method
         if method == "mesh" and not dry:
             return self.measure_mesh(reply)
@@ -115,11 +116,9 @@ class LevellingCommands:
         "BED_TILT_CALIBRATE",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "",
         "Measures all enabled points and corrects the tilt of the bed, as G32 with the method"
         " linear.",
         kind=Kind.PROBED,
-        bare=None,
         lacks=NO_PROBE,
     )
     def _measure_tilt(self, command: Command, reply: Reply) -> Wait | None:
@@ -161,22 +160,21 @@ class LevellingCommands:
             raise CommandError.of("levelling.no-points")
         return places
 
-    def _one_point(self, words: dict[str, float], reply: Reply) -> Wait | None:
-        n = self._number(words["P"])
+    def _one_point(self, command: Command, reply: Reply) -> Wait | None:
+        n = self._number("P", command.integer("P"))
         point = self.points[n - 1]
         place = Place(point.x, point.y, f"point {n}", point.offset)
-        above = words.get("R")
+        above = command.value("R", None)
 
         def done(found: Sequence[Measured], reply: Reply) -> None:
             reply.say(f"//ProbeHeight@P{n} {found[0].height_mm:.5f}")
 
         return self._run([place], done, reply, above_mm=above, alone=True)
 
-    def _number(self, given: float) -> int:
-        n = int(given)
+    def _number(self, name: str, n: int) -> int:
         if not 1 <= n <= len(self.points):
             limit = f"a point from 1 to {len(self.points)}"
-            raise CommandError.bad_value("P", given, limit)
+            raise CommandError.bad_value(name, n, limit)
         return n
 
     def _run(
@@ -229,21 +227,22 @@ class LevellingCommands:
         "SET_PROBE_POINT",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "N X Y OFFSET (mm) ENABLED",
         "Sets point N of G32; what is not given stays.",
+        integer("N", "the number of the point", 1),
+        number("X Y", "its place", "mm"),
+        number("OFFSET", "how much is added to its height", "mm"),
+        number("ENABLED", "0: it is not measured"),
         kind=Kind.PROBED,
-        bare=None,
         lacks=NO_PROBE,
     )
     def _set_point(self, command: Command, _: Reply) -> Wait | None:
-        pairs = command.pairs()
-        n = self._number(number(pairs, "N"))
+        n = self._number("N", command.integer("N"))
         point = self.points[n - 1]
         changed = ProbePoint(
-            x=number(pairs, "X", point.x),
-            y=number(pairs, "Y", point.y),
-            offset=number(pairs, "OFFSET", point.offset),
-            enabled=number(pairs, "ENABLED", float(point.enabled)) != 0,
+            x=command.value("X", point.x),
+            y=command.value("Y", point.y),
+            offset=command.value("OFFSET", point.offset),
+            enabled=command.value("ENABLED", float(point.enabled)) != 0,
         )
         if changed.enabled:
             self._prober.check_place(Place(changed.x, changed.y, f"point {n}"))
@@ -256,37 +255,40 @@ class LevellingCommands:
         "G29",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "D J, W I J Z(mm), S(0-5)",
         "Measures the bed by the method of the machine file; this replaces the correction before,"
         " and prints its heights as M420 V. D only measures, J alone forgets the correction. W sets"
         " one point of the mesh. S0 to S5 are those of the paper test (show, start, next, set,"
         " raise by Z, forget), or of RepRapFirmware.",
+        flag("D", "only measures"),
+        flag("W", "sets a point of the mesh"),
+        integer("I J", "that point: column and row; J alone forgets the correction", alone=True),
+        number("Z", "a height", "mm"),
+        number("S", "a step of the paper test, or of RepRapFirmware: 0 to 5"),
+        anything(),
         kind=Kind.PROBED,
-        bare=ANY,
         lacks=NO_PROBE,
     )
     def _level(self, command: Command, reply: Reply) -> Wait | None:
         letters = command.letters()
-        if "W" in letters:
+        if command.flag("W"):
             words = command.words()
             return WaitForMoves(lambda: self._corrections.set_point(words))
         if letters == ["J"]:
             return WaitForMoves(lambda: self._corrections.put(None, on=False))
-        step = command.words().get("S") if "S" in letters else None
+        step = command.value("S", None)
         paper = not isinstance(self._prober.carried, SensingProbe)
         if step is not None and (paper or self._config.dialect == "rrf"):
             return self._step(int(step), command, reply, paper=paper)
-        return self._measure(reply, dry="D" in letters)
+        return self._measure(reply, dry=command.flag("D"))
 
     @command(
         "G80",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "",
         "Ends a canned cycle. On a printer for filament, outside of a cycle, it is G29, as in"
         " Prusa's firmware, and measures the whole bed.",
+        anything(),
         kind=Kind.PROBED,
-        bare=ANY,
         lacks=NO_PROBE,
     )
     def _level_as_prusa(self, _: Command, reply: Reply) -> Wait | None:
@@ -305,9 +307,7 @@ class LevellingCommands:
                 reply.say(line)
             return None
         if paper and step == 4:
-            mm = command.words().get("Z")
-            if mm is None:
-                raise CommandError.of("input.missing-word", axis="G29 S4", value="Z")
+            mm = command.value("Z")
             return WaitForMoves(lambda: corrections.raise_to(mm, reply))
         if (paper and step == 5) or (not paper and step == 2):
             return WaitForMoves(lambda: corrections.put(None, on=False))
@@ -354,25 +354,32 @@ class LevellingCommands:
         "BED_MESH_CALIBRATE",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "MESH_MIN(mm,mm) MESH_MAX(mm,mm) PROBE_COUNT(n,n) MESH_RADIUS(mm) MESH_ORIGIN(mm,mm)"
-        " ROUND_PROBE_COUNT ALGORITHM METHOD ADAPTIVE ADAPTIVE_MARGIN(mm) PROFILE",
         "Measures a mesh; this replaces the correction before, and is stored as PROFILE. With"
         " ADAPTIVE=1 only where the print is, as far as the file says it. The other parameters"
         " replace the area, the number of points and the interpolation of the machine file for"
         " this mesh. METHOD=manual measures by the paper test.",
+        text("MESH_MIN MESH_MAX", "the corners of the mesh: X,Y in mm"),
+        text("PROBE_COUNT", "the points along X and Y: 5,5"),
+        number("MESH_RADIUS", "the radius of a round mesh", "mm", 0, above=True),
+        text("MESH_ORIGIN", "the middle of a round mesh: X,Y in mm"),
+        integer("ROUND_PROBE_COUNT", "its points along X and Y"),
+        choice("ALGORITHM", "the interpolation", *ALGORITHMS),
+        choice("METHOD", "manual: by the paper test", *METHODS),
+        flag("ADAPTIVE", "only where the print is"),
+        number("ADAPTIVE_MARGIN", "how far around it", "mm"),
+        text("PROFILE", "the name under which the mesh is stored"),
+        ignored("HORIZONTAL_MOVE_Z"),
         kind=Kind.PROBED,
-        bare=None,
         lacks=NO_PROBE,
     )
     def _calibrate_mesh(self, command: Command, reply: Reply) -> Wait | None:
-        pairs = command.pairs()
-        grid, area = given_grid(pairs, self.mesh_grid), self._printed_area()
-        profile = pairs.get("PROFILE", "")
-        if number(pairs, "ADAPTIVE", 0.0):
+        grid, area = given_grid(command, self.mesh_grid), self._printed_area()
+        profile = command.string("PROFILE")
+        if command.flag("ADAPTIVE"):
             if area is None:
                 reply.say("echo:The file names no objects: the whole mesh is measured")
             else:
-                margin = number(pairs, "ADAPTIVE_MARGIN", self._config.margin_mm)
+                margin = command.value("ADAPTIVE_MARGIN", self._config.margin_mm)
                 grid = grid.adapted(area, margin)
                 profile = ""  # a mesh of this print only has no name
 
@@ -382,12 +389,12 @@ class LevellingCommands:
             reply.say("// Mesh Bed Leveling Complete")
 
         usual = self._config.interpolation
-        interpolation = given_interpolation(pairs, grid, usual)
+        interpolation = given_interpolation(command, grid, usual)
         return self.measure_mesh(
             reply,
             grid=grid,
             interpolation=interpolation,
-            by_hand=by_hand(pairs),
+            by_hand=by_hand(command),
             then=measured,
         )
 
@@ -437,11 +444,13 @@ class LevellingCommands:
         "M557",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "X(from:to) Y(from:to) P(points) S(mm)",
         "Sets the area of the mesh, and how many points it has (P5:4) or how far they are apart"
         " (S20). Without parameters it reports them. A restart forgets it.",
+        rest(
+            "X(from:to) Y(from:to) P(points) S(mm)",
+            "the area, and the number of points or their distance",
+        ),
         kind=Kind.PROBED,
-        bare=None,
         lacks=NO_PROBE,
     )
     def _set_grid(self, command: Command, reply: Reply) -> Wait | None:
@@ -489,25 +498,23 @@ class LevellingCommands:
         "G42",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "I J P F(mm/min)",
         "Moves the nozzle over a point of the mesh; P: the probe.",
+        integer("I J", "the point: column and row", 0, default=0),
+        flag("P", "moves the probe there, not the nozzle"),
+        number("F", "the feedrate", "mm/min", 0, above=True),
         kind=Kind.PROBED,
-        bare="P",
         lacks=NO_PROBE,
     )
     def _go_to_point(self, command: Command, _: Reply) -> Wait | None:
-        words, mesh = command.words(), self._corrections.mesh()
-        i, j = int(words.get("I", 0)), int(words.get("J", 0))
+        i, j, mesh = command.integer("I"), command.integer("J"), self._corrections.mesh()
         if not (0 <= i < len(mesh.xs) and 0 <= j < len(mesh.ys)):
             limit = f"I below {len(mesh.xs)}, J below {len(mesh.ys)}"
             raise CommandError.of(
                 "command.value", axis="the mesh point", value=f"I{i} J{j}", limit=limit
             )
-        by_probe = "P" in command.letters()
+        by_probe = command.flag("P")
         place = Place(mesh.xs[i], mesh.ys[j], "the mesh point", by_nozzle=not by_probe)
-        speed = words.get("F", 60 * self._prober.carried.travel_mm_s) / 60
-        if not speed > 0:
-            raise CommandError.bad_value("F", words["F"], "more than 0 mm/min")
+        speed = command.value("F", 60 * self._prober.carried.travel_mm_s) / 60
         return WaitForProcedure(lambda: self._prober.go_to(place, speed))
 
     # -- settings and status ----------------------------------------------------------------------

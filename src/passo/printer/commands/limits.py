@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from math import nan
 from typing import TYPE_CHECKING
 
 from passo.config.motor_roles import axis_order
 from passo.config.square_corner import deviation_mm
 from passo.config.types import MIN_ACCEL, MIN_SPEED
-from passo.errors import CommandError, WordError
+from passo.errors import CommandError
 from passo.gcode.command import LARGEST, Command, numeral
+from passo.gcode.parameters import TOOL, axes, ignored, number
 from passo.gcode.registry import Subject, When, command
-from passo.gcode.stray import stray_of
 from passo.printer.commands.extruder_words import extruder_of, with_extruders
 
 if TYPE_CHECKING:
@@ -57,8 +56,9 @@ class Limits:
         "M201",
         Subject.SPEED,
         When.PLANNED,
-        "X Y Z E T (mm/s²)",
         "Sets the maximum accelerations of axes, at most those of the machine file.",
+        axes("X Y Z E", "the acceleration of an axis", "mm/s²", MIN_ACCEL, but="H"),
+        TOOL,
     )
     def _axis_accelerations(self, command: Command, reply: Reply) -> None:
         self._set_axes(command, reply, "accel")
@@ -67,8 +67,9 @@ class Limits:
         "M203",
         Subject.SPEED,
         When.PLANNED,
-        "X Y Z E T (mm/s)",
         "Sets the maximum speeds of axes, at most those of the machine file.",
+        axes("X Y Z E", "the speed of an axis", "mm/s", MIN_SPEED, but="H"),
+        TOOL,
     )
     def _axis_speeds(self, command: Command, reply: Reply) -> None:
         self._set_axes(command, reply, "speed")
@@ -88,8 +89,7 @@ class Limits:
         Raises CommandError."""
         given = {letter: value for letter, value in words.items() if letter != "T"}
         known = [name.upper() for name in self._axes]
-        for letter, value in given.items():
-            _at_least(letter, value, what)
+        for letter in given:
             if letter != "E" and letter not in known:
                 raise CommandError.of("command.nothing-moves", axis=letter, limit=", ".join(known))
         notes: list[str] = []
@@ -118,18 +118,18 @@ class Limits:
         "M204",
         Subject.SPEED,
         When.PLANNED,
-        "S P R T V (mm/s²)",
         "Sets accelerations: S of print and travel moves, P of print moves, R of retractions, T or"
         " V of travel moves.",
+        number("S", "of print and travel moves", "mm/s²", MIN_ACCEL),
+        number("P", "of print moves", "mm/s²", MIN_ACCEL),
+        number("R", "of retractions", "mm/s²", MIN_ACCEL),
+        number("T V", "of travel moves", "mm/s²", MIN_ACCEL),
     )
     def _accelerations(self, command: Command, reply: Reply) -> None:
         words = command.words()
         if not words:
             reply.say(self.acceleration_line())
             return
-        for letter in "SPVTR":
-            if letter in words:
-                _at_least(letter, words[letter], "accel")
         for letter, names in (
             ("S", ("print_accel", "travel_accel")),
             ("P", ("print_accel",)),
@@ -168,9 +168,12 @@ class Limits:
         "M205",
         Subject.SPEED,
         When.PLANNED,
-        "J(mm), X Y Z E(mm/s) T",
         "Sets the speed in corners: the junction deviation (J), or the jerk of each axis up to the"
         " machine's limit. The machine file selects which of the two. Minimum speeds do not exist.",
+        number("J", "the junction deviation", "mm", *_DEVIATION),
+        axes("X Y Z E", "the jerk of an axis", "mm/s", but="BH"),
+        number("T", "the tool of E"),
+        ignored("B S V"),
     )
     def _junction(self, command: Command, reply: Reply) -> None:
         words = command.words()
@@ -182,8 +185,6 @@ class Limits:
         if jerk.keys() <= {"T"}:
             jerk = {}  # here T is the minimum travel speed, not a tool
         law, deviation = self._machine.limits.junction, words.get("J")
-        if deviation is not None and not _DEVIATION[0] <= deviation <= _DEVIATION[1]:
-            raise CommandError.bad_value("J", deviation, "{:g} to {:g} mm".format(*_DEVIATION))
         if law == "deviation" and deviation is not None:
             self._job.limits.set("junction_deviation", deviation, live)
         above = self._axis_limits("M205", jerk, "jerk", live=live) if law == "jerk" else []
@@ -208,19 +209,19 @@ class Limits:
         "SET_VELOCITY_LIMIT",
         Subject.SPEED,
         When.PLANNED,
-        "VELOCITY ACCEL MINIMUM_CRUISE_RATIO SQUARE_CORNER_VELOCITY",
         "Sets limits of speed, acceleration and corners.",
+        number("VELOCITY", "the speed of a move", "mm/s", MIN_SPEED),
+        number("ACCEL", "the acceleration of print and travel moves", "mm/s²", MIN_ACCEL),
+        number(
+            "MINIMUM_CRUISE_RATIO", "the share of a move at constant speed, below 1", low=0, high=1
+        ),
+        number("SQUARE_CORNER_VELOCITY", "the speed in a corner of 90°", "mm/s", 0, above=True),
+        ignored("ACCEL_TO_DECEL"),
     )
     def _velocity_limit(self, command: Command, reply: Reply) -> None:
-        values = _values(command)
-        for key, what in _OF_VELOCITY_LIMIT.items():
-            if key in values:
-                _at_least(key, values[key], what)
-        corner = values.get(_KLIPPERS_CORNER)
-        if corner is not None and not corner > 0:
-            raise CommandError.bad_value(_KLIPPERS_CORNER, corner, "above 0 mm/s")
-        ratio = values.get("MINIMUM_CRUISE_RATIO")
-        if ratio is not None and not 0 <= ratio < 1:
+        values = {key: command.value(key) for key in command.pairs()}
+        corner, ratio = values.get(_KLIPPERS_CORNER), values.get("MINIMUM_CRUISE_RATIO")
+        if ratio == 1:
             raise CommandError.bad_value("MINIMUM_CRUISE_RATIO", ratio, "0 to less than 1")
         job, live = self._job, self._plan.live(reply)
         if "VELOCITY" in values:
@@ -258,28 +259,6 @@ class Limits:
         if self._machine.limits.junction != "square_corner":
             return line
         return f"{line} {_KLIPPERS_CORNER}={numeral(self._job.limits.value('square_corner'))}"
-
-
-def _values(command: Command) -> dict[str, float]:
-    """The numbers of KEY=VALUE parameters. Raises WordError."""
-    values: dict[str, float] = {}
-    for key, text in command.pairs().items():
-        try:
-            values[key] = float(text)
-        except ValueError:
-            values[key] = nan
-        if not abs(values[key]) <= LARGEST:
-            if (stray := stray_of(text, any_character=True)) is not None:
-                raise WordError([stray]) from None
-            raise WordError.of("input.number", value=f"{key}={text[:30]}")
-    return values
-
-
-def _at_least(word: str, value: float, what: str) -> None:
-    """Raises CommandError for a limit below the minimum of any machine."""
-    least, unit = _LEAST[what]
-    if value < least:
-        raise CommandError.bad_value(word, value, f"at least {least:g} {unit}")
 
 
 def _no_effect(words: Sequence[str]) -> str:

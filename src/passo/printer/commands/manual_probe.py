@@ -3,12 +3,13 @@ ACCEPT."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import text
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.motion.probing import Measured, Place, Prober
 from passo.printer.commands.probe_offsets import ProbeOffsetCommands
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 LOWEST_MM = 2.0  # below the last measured bed
 _SPEED_MM_S = 5.0
-_METHODS = "manual", "automatic", "scan", "rapid_scan"  # a scan is point by point here
+METHODS = "manual", "automatic", "scan", "rapid_scan"  # a scan is point by point here
 
 Done = Callable[[Sequence[Measured], Reply], None]
 
@@ -146,16 +147,15 @@ class ManualProbe:
         "TESTZ",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "Z(mm)",
         "Moves the nozzle in the paper test: by Z=-0.1 or Z=+0.1; Z=- or Z=+ to the middle between"
         " here and the next height that was tried; Z=-- or Z=++ to that.",
+        text("Z", "a distance in mm, or +, ++, -, --"),
         kind=Kind.SERVED,
-        bare=None,
         lacks=NO_PROBE,
     )
     def _test(self, command: Command, reply: Reply) -> Wait | None:
         self._require()
-        given = command.pairs().get("Z", "")
+        given = command.string("Z")
         return WaitForProcedure(lambda: self._move(given, reply))
 
     async def _move(self, given: str, reply: Reply) -> None:
@@ -188,10 +188,8 @@ class ManualProbe:
         "ACCEPT",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "",
         "The paper just moves: the bed is here, in the paper test.",
         kind=Kind.SERVED,
-        bare=None,
         lacks=NO_PROBE,
     )
     def accept(self, _: Command, reply: Reply) -> Wait | None:
@@ -219,10 +217,8 @@ class ManualProbe:
         "ADJUSTED",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "",
         "The screw was turned: BED_SCREWS_ADJUST shows the next one, and each other one once more.",
         kind=Kind.SERVED,
-        bare=None,
         lacks=NO_PROBE,
     )
     def _adjusted(self, _: Command, reply: Reply) -> Wait | None:
@@ -245,10 +241,8 @@ class ManualProbe:
         "ABORT",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "",
         "Ends the paper test; nothing changes.",
         kind=Kind.SERVED,
-        bare=None,
         lacks=NO_PROBE,
     )
     def abort(self, _: Command, reply: Reply) -> Wait | None:
@@ -268,10 +262,8 @@ class ManualProbe:
         "MANUAL_PROBE",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "",
         "Starts a paper test where the nozzle is, and reports the height.",
         kind=Kind.SERVED,
-        bare=None,
         lacks=NO_PROBE,
     )
     def _manual(self, _: Command, reply: Reply) -> Wait | None:
@@ -285,11 +277,9 @@ class ManualProbe:
         "PROBE_CALIBRATE",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "",
         "Finds the trigger height of the probe: measures the bed where the probe is, then the same"
         " place by the paper test. M500 stores it.",
         kind=Kind.SERVED,
-        bare=None,
         lacks=NO_PROBE,
     )
     def _calibrate(self, _: Command, reply: Reply) -> Wait | None:
@@ -321,14 +311,9 @@ class ManualProbe:
         return WaitForProcedure(calibrate)
 
 
-def by_hand(words: Mapping[str, str]) -> bool:
-    """Whether METHOD asks for the paper test. Raises CommandError for another method than
-    Klipper's."""
-    method = words.get("METHOD", "automatic").lower()
-    if method not in _METHODS:
-        limit = ", ".join(_METHODS)
-        raise CommandError.of("command.value", axis="METHOD", value=method, limit=limit)
-    return method == "manual"
+def by_hand(command: Command) -> bool:
+    """Whether METHOD asks for the paper test."""
+    return command.string("METHOD").lower() == "manual"
 
 
 def _neighbours(tried: Sequence[float], z: float) -> tuple[float | None, float | None]:

@@ -2,30 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from passo.errors import CommandError
+from passo.gcode.command import Command
+from passo.gcode.parameters import number_of
 from passo.levelling.areas import Grid
 from passo.levelling.mesh import Interpolation
-from passo.printer.commands.klipper_commands import number
 
-_Words = Mapping[str, str]
-_ALGORITHMS = "bicubic", "lagrange", "direct"
-_MOST_POINTS = 41  # along one axis
+ALGORITHMS = "bicubic", "lagrange", "direct"
+MOST_POINTS = 41  # along one axis
 _LAGRANGE = 3  # points up to which a Lagrange surface is made of straight or single pieces
 
 
-def given_grid(words: _Words, usual: Grid | None) -> Grid:
+def given_grid(command: Command, usual: Grid | None) -> Grid:
     """The grid that MESH_MIN, MESH_MAX and PROBE_COUNT give, or MESH_RADIUS, MESH_ORIGIN and
     ROUND_PROBE_COUNT for a round bed; the rest is that of the usual grid. Raises CommandError."""
-    if "MESH_RADIUS" in words:
-        radius = number(words, "MESH_RADIUS")
-        x, y = _pair(words, "MESH_ORIGIN") if "MESH_ORIGIN" in words else (0.0, 0.0)
+    if command.has("MESH_RADIUS"):
+        radius = command.value("MESH_RADIUS")
+        x, y = _pair(command, "MESH_ORIGIN") or (0.0, 0.0)
         grid = Grid((x - radius, y - radius, x + radius, y + radius), (5, 5), radius)
     else:
         grid = usual
-    low = _pair(words, "MESH_MIN") if "MESH_MIN" in words else None
-    high = _pair(words, "MESH_MAX") if "MESH_MAX" in words else None
+    low = _pair(command, "MESH_MIN")
+    high = _pair(command, "MESH_MAX")
     if low is not None and high is not None:
         grid = Grid((*low, *high), grid.count if grid else (_LAGRANGE, _LAGRANGE))
     if grid is None:
@@ -38,35 +36,36 @@ def given_grid(words: _Words, usual: Grid | None) -> Grid:
         limit = f"more than MESH_MIN {x0:g},{y0:g}"
         raise CommandError.of("command.value", axis="MESH_MAX", value=f"{x1:g},{y1:g}", limit=limit)
     key = "PROBE_COUNT" if grid.radius is None else "ROUND_PROBE_COUNT"
-    if key in words:
-        nx, ny = _pair(words, key)
-        limit = f"2 to {_MOST_POINTS} along each axis"
+    if (count := _pair(command, key)) is not None:
+        nx, ny = count
+        limit = f"2 to {MOST_POINTS} along each axis"
         if not (
-            nx.is_integer() and ny.is_integer() and 2 <= min(nx, ny) <= _MOST_POINTS >= max(nx, ny)
+            nx.is_integer() and ny.is_integer() and 2 <= min(nx, ny) <= MOST_POINTS >= max(nx, ny)
         ):
-            raise CommandError.of("command.value", axis=key, value=words[key], limit=limit)
+            shown = command.string(key)
+            raise CommandError.of("command.value", axis=key, value=shown, limit=limit)
         grid = Grid(grid.area, (int(nx), int(ny)), grid.radius)
     return grid
 
 
-def given_interpolation(words: _Words, grid: Grid, usual: Interpolation) -> Interpolation:
+def given_interpolation(command: Command, grid: Grid, usual: Interpolation) -> Interpolation:
     """The interpolation that ALGORITHM names. A Lagrange surface of up to 3 points is bilinear
-    here, and bicubic with more points. Raises CommandError."""
-    written = words.get("ALGORITHM", "").lower()
+    here, and bicubic with more points."""
+    written = command.string("ALGORITHM").lower()
     if not written:
         return usual
-    if written not in _ALGORITHMS:
-        limit = ", ".join(_ALGORITHMS)
-        raise CommandError.of("command.value", axis="ALGORITHM", value=written, limit=limit)
     smooth = written == "bicubic" or (written == "lagrange" and max(grid.count) > _LAGRANGE)
     return "bicubic" if smooth else "bilinear"
 
 
-def _pair(words: _Words, key: str) -> tuple[float, float]:
-    """Two numbers with a comma between them, or one number for both. Raises CommandError."""
-    parts = words[key].split(",")
+def _pair(command: Command, key: str) -> tuple[float, float] | None:
+    """Two numbers with a comma between them, or one number for both; None if the command has no
+    such parameter. Raises CommandError."""
+    if not command.has(key):
+        return None
+    parts = command.string(key).split(",")
     if len(parts) > 2:
         limit = "two numbers with a comma between them"
-        raise CommandError.of("command.value", axis=key, value=words[key], limit=limit)
-    first, last = (number({key: part}, key) for part in (parts[0], parts[-1]))
+        raise CommandError.of("command.value", axis=key, value=command.string(key), limit=limit)
+    first, last = (number_of(key, part) for part in (parts[0], parts[-1]))
     return first, last

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from math import isfinite
 from typing import TYPE_CHECKING
 
 from passo import _core
@@ -24,6 +23,7 @@ from passo.config.shapers import (
 )
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
+from passo.gcode.parameters import TOOL, ignored, integer, number, text
 from passo.gcode.registry import Subject, When, command
 from passo.printer.commands.extruder_words import extruder_of
 from passo.printer.status import AdvanceStatus, ShaperStatus
@@ -34,9 +34,6 @@ if TYPE_CHECKING:
     from passo.printer.wait_requests import Reply
 
 _AXES = "XYZ"
-_ADVANCES = f"0 to {MAX_ADVANCE_S:g} s"
-_SMOOTH_TIMES = f"0 to {MAX_SMOOTH_S:g} s"
-_FREQUENCIES = f"0 (off), or {MIN_HZ:g} to {MAX_HZ:g} Hz"
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,46 +69,61 @@ class MotionFilters:
         "M593",
         Subject.SPEED,
         When.PLANNED,
-        'X Y Z F(Hz) D S P"type"',
         "Sets the input shaper of axes, X and Y if none is named: the frequency (F0: none), the"
         f" damping ratio (D or S) and the type ({SHAPER_FORMS}). The machine stops"
         " for a change.",
-        bare="XYZP",
+        number("X Y Z", "an axis to shape; by default X and Y", alone=True),
+        number("F", "the frequency", "Hz", MIN_HZ, MAX_HZ, off=True),
+        number("D S", "the damping ratio", low=0, high=1),
+        text("P", f"the type: {SHAPER_FORMS}"),
     )
     def _shape(self, command: Command, reply: Reply) -> Wait | None:
-        words, letters = command.words(), command.letters()
-        named = [letter for letter in _AXES if letter in letters]
-        text = next((t for k, _, t in _core.split_text(command.text) if k == "P"), None)
-        damping = words.get("D", words.get("S"))
-        if text is None and damping is None and "F" not in words:
+        named = [letter for letter in _AXES if command.has(letter)]
+        kind = command.string("P") if command.has("P") else None
+        damping = command.value("D", command.value("S", None))
+        frequency = command.value("F", None)
+        if kind is None and damping is None and frequency is None:
             for line in self.shaper_lines():
                 reply.say(line)
             return None
         changed: dict[str, Shaper] = {}
         for axis in named or _AXES[:2]:
-            changed[axis] = _shaper(self.shapers[axis], text, words.get("F"), damping)
+            changed[axis] = _shaper(self.shapers[axis], kind, frequency, damping)
         return self._set_shapers(changed)
 
     @command(
         "SET_INPUT_SHAPER",
         Subject.SPEED,
         When.PLANNED,
-        "SHAPER_FREQ_X SHAPER_FREQ_Y SHAPER_FREQ_Z SHAPER_TYPE SHAPER_TYPE_X SHAPER_TYPE_Y"
-        " SHAPER_TYPE_Z DAMPING_RATIO_X DAMPING_RATIO_Y DAMPING_RATIO_Z",
         "Sets input shapers, as M593.",
-        bare=None,
+        number(
+            "SHAPER_FREQ_X SHAPER_FREQ_Y SHAPER_FREQ_Z",
+            "the frequency",
+            "Hz",
+            MIN_HZ,
+            MAX_HZ,
+            off=True,
+        ),
+        text(
+            "SHAPER_TYPE SHAPER_TYPE_X SHAPER_TYPE_Y SHAPER_TYPE_Z",
+            f"the type, of all axes or of one: {SHAPER_FORMS}",
+        ),
+        number(
+            "DAMPING_RATIO_X DAMPING_RATIO_Y DAMPING_RATIO_Z", "the damping ratio", low=0, high=1
+        ),
     )
     def _shape_by_names(self, command: Command, reply: Reply) -> Wait | None:
-        pairs = command.pairs()
-        if not pairs:
+        if not command.text.strip():
             for line in self.shaper_lines():
                 reply.say(line)
             return None
         changed: dict[str, Shaper] = {}
         for axis in _AXES:
-            kind = pairs.get(f"SHAPER_TYPE_{axis}", pairs.get("SHAPER_TYPE"))
-            frequency = _number(pairs, f"SHAPER_FREQ_{axis}")
-            damping = _number(pairs, f"DAMPING_RATIO_{axis}")
+            own = f"SHAPER_TYPE_{axis}"
+            given = next((key for key in (own, "SHAPER_TYPE") if command.has(key)), None)
+            kind = None if given is None else command.string(given)
+            frequency = command.value(f"SHAPER_FREQ_{axis}", None)
+            damping = command.value(f"DAMPING_RATIO_{axis}", None)
             if frequency is None and damping is None and kind is None:
                 continue
             changed[axis] = _shaper(self.shapers[axis], kind, frequency, damping)
@@ -157,13 +169,12 @@ class MotionFilters:
         "SET_JERK_LIMIT",
         Subject.SPEED,
         When.PLANNED,
-        "JERK",
         "Sets the maximum change of the acceleration of X, Y and Z in a second (mm/s³), 0 for no"
         " limit. The machine stops for a change.",
-        bare=None,
+        number("JERK", "the change of the acceleration; 0: no limit", "mm/s³", 0, MAX_JERK),
     )
     def _limit_jerk(self, command: Command, reply: Reply) -> Wait | None:
-        jerk = _number(command.pairs(), "JERK")
+        jerk = command.value("JERK", None)
         if jerk is None:
             reply.say(self.jerk_line())
             return None
@@ -174,8 +185,9 @@ class MotionFilters:
             raise CommandError.bad_value("JERK", jerk, limit)
         if jerk != 0:
             least = least_jerk(self._machine.largest_accel_mm_s2)
-            limits = f"0 (no limit), or {least:.0f} to {MAX_JERK:g} mm/s³"
-            _within("JERK", jerk, least, MAX_JERK, limits)
+            if jerk < least:
+                limits = f"0 (no limit), or {least:.0f} to {MAX_JERK:g} mm/s³"
+                raise CommandError.bad_value("JERK", jerk, limits)
         self.jerk_mm_s3 = jerk
         return WaitForMoves(lambda: self._job.filters.set("box_s", 0, [self.box_s]))
 
@@ -194,64 +206,60 @@ class MotionFilters:
         "M900",
         Subject.FILAMENT,
         When.PLANNED,
-        "K(s) T",
         "Sets the pressure advance of an extruder, the tool's in use if T names none.",
+        number("K", "the advance", "s", 0),
+        TOOL,
+        ignored("L S"),
     )
     def _advance(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.words()
-        extruder = self._extruder(extruder_of(self._machine, words, self._job.tool))
-        if "K" not in words:
+        extruder = self._extruder(extruder_of(self._machine, command.words(), self._job.tool))
+        advance = command.value("K", None)
+        if advance is None:
             if extruder is not None:
                 reply.say(f"Advance K={self._job.filters.advance(extruder):g}")
                 self._say_knees(extruder, reply)
             return None
         # a slicer may send the K of Linear Advance 1.0 as well as that of 1.5
-        if words["K"] > MAX_ADVANCE_S:
-            reply.note("M900", f"M900: K{words['K']:g} is of Linear Advance 1.0 and has no effect")
+        if advance > MAX_ADVANCE_S:
+            reply.note("M900", f"M900: K{advance:g} is of Linear Advance 1.0 and has no effect")
             return None
-        _within("K", words["K"], 0.0, MAX_ADVANCE_S, _ADVANCES)
-        return None if extruder is None else self._set_advance(extruder, words["K"])
+        return None if extruder is None else self._set_advance(extruder, advance)
 
     @command(
         "M572",
         Subject.FILAMENT,
         When.PLANNED,
-        "D S(s)",
         "Sets the pressure advance (S) of the extruder D, 0 if it is not given.",
+        integer("D", "the extruder", 0, default=0),
+        number("S", "the advance", "s", 0, MAX_ADVANCE_S),
     )
     def _advance_of_drive(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.words()
-        drive = words.get("D", 0.0)
+        drive, advance = command.integer("D"), command.value("S", None)
         if drive not in range(len(self._extruders)):
             raise CommandError.bad_value("D", drive, f"an extruder below {len(self._extruders)}")
-        if "S" not in words:
-            advance = self._job.filters.advance(int(drive))
-            reply.say(f"Extruder {int(drive)} pressure advance: {advance:g} s")
-            self._say_knees(int(drive), reply)
+        if advance is None:
+            advance = self._job.filters.advance(drive)
+            reply.say(f"Extruder {drive} pressure advance: {advance:g} s")
+            self._say_knees(drive, reply)
             return None
-        _within("S", words["S"], 0.0, MAX_ADVANCE_S, _ADVANCES)
-        return self._set_advance(int(drive), words["S"])
+        return self._set_advance(drive, advance)
 
     @command(
         "SET_PRESSURE_ADVANCE",
         Subject.FILAMENT,
         When.PLANNED,
-        "EXTRUDER ADVANCE SMOOTH_TIME",
         "Sets the pressure advance of an extruder and the time over which it is smoothed, in s. For"
         f" a change of SMOOTH_TIME the machine stops. Below {MIN_SMOOTH_S:g} s it is that; a note"
         " says what a short time costs.",
-        bare=None,
+        text("EXTRUDER", "the name of the extruder, by default the one in use"),
+        number("ADVANCE", "the advance", "s", 0, MAX_ADVANCE_S),
+        number("SMOOTH_TIME", "the time over which it is smoothed", "s", 0, MAX_SMOOTH_S),
     )
     def _advance_by_name(self, command: Command, reply: Reply) -> Wait | None:
-        pairs = command.pairs()
-        extruder = self._named(pairs.get("EXTRUDER"))
+        extruder = self._named(command.string("EXTRUDER") if command.has("EXTRUDER") else None)
         if extruder is None:
             return None
-        advance, smooth = _number(pairs, "ADVANCE"), _number(pairs, "SMOOTH_TIME")
-        if advance is not None:
-            _within("ADVANCE", advance, 0.0, MAX_ADVANCE_S, _ADVANCES)
-        if smooth is not None:
-            _within("SMOOTH_TIME", smooth, 0.0, MAX_SMOOTH_S, _SMOOTH_TIMES)
+        advance, smooth = command.value("ADVANCE", None), command.value("SMOOTH_TIME", None)
         if advance is None and smooth is None:
             reply.say(f"pressure_advance: {self._job.filters.advance(extruder):.6f}")
             reply.say(f"pressure_advance_smooth_time: {self.smooth_s[extruder]:.6f}")
@@ -382,29 +390,11 @@ def _shaper(
                 "command.value", axis="type", value=kind or "missing", limit=SHAPER_FORMS
             ) from None
     if frequency_hz is not None:
-        if frequency_hz != 0:
-            _within("frequency", frequency_hz, MIN_HZ, MAX_HZ, _FREQUENCIES)
         old = replace(old, frequency_hz=frequency_hz)
     if damping is not None:
         old = replace(old, damping=damping)
     most = max_damping(old.kind)
-    _within("damping ratio", old.damping, 0.0, most, f"0 to {most:g} for the type {old.kind}")
+    if not old.damping <= most:
+        limit = f"0 to {most:g} for the type {old.kind}"
+        raise CommandError.bad_value("damping ratio", old.damping, limit)
     return old
-
-
-def _number(pairs: dict[str, str], key: str) -> float | None:
-    """The number of a parameter. Raises CommandError if the text is not a number."""
-    if key not in pairs:
-        return None
-    try:
-        value = float(pairs[key])
-    except ValueError:
-        value = float("nan")
-    if not isfinite(value):
-        raise CommandError.of("command.value", axis=key, value=pairs[key][:30], limit="a number")
-    return value
-
-
-def _within(word: str, value: float, low: float, high: float, limit: str) -> None:
-    if not low <= value <= high:
-        raise CommandError.bad_value(word, value, limit)

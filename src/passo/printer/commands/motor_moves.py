@@ -13,6 +13,7 @@ from passo.config.klipper_names import stepper_object
 from passo.config.motor_roles import Driven, axis_order
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import axes, ignored, number, text
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.geometry.base import Point, Unreachable
 from passo.motion.axis_slots import slot_of_axis
@@ -20,7 +21,6 @@ from passo.motion.homing import Homer
 from passo.motion.rig import Rig
 from passo.motion.triggered_moves import TriggeredMoves
 from passo.printer.commands.kinematic_position import positions
-from passo.printer.commands.klipper_commands import number
 from passo.printer.state import State
 from passo.printer.wait_requests import Reply, Wait, WaitForMoves, WaitForProcedure
 
@@ -63,6 +63,33 @@ class _Turn:
         return hypot(*self.axes.values(), *self.joints.values()) / self.longest
 
 
+def _named(machine: MachineConfig, name: str) -> _Motor:
+    """The motor with this name (Klipper's or the machine file's). Raises CommandError."""
+    driven_by = machine.driven_by
+    movable = [n for n in machine.steppers if (d := driven_by(n)) and d.drive != "extruder"]
+    named = {stepper_object(n): n for n in movable} | {n: n for n in movable}
+    if name not in named:
+        limit = ", ".join(stepper_object(n) for n in movable)
+        raise CommandError.of("command.value", axis="STEPPER", value=name or "missing", limit=limit)
+    driven = driven_by(named[name])
+    assert driven is not None
+    return _Motor(driven, tuple(n for n in movable if driven_by(n) == driven))
+
+
+def _check_distance(machine: MachineConfig, word: str, distance: float) -> None:
+    """Raises CommandError for a distance that no axis has room for."""
+    longest = max(a.max_mm - a.min_mm for a in machine.axes.values() if not a.extruder)
+    if abs(distance) > longest:
+        limit = f"{-longest:g} to {longest:g} mm or degrees at once"
+        raise CommandError.bad_value(word, distance, limit)
+
+
+def _check_motor(command: Command, machine: MachineConfig) -> None:
+    """STEPPER and DISTANCE on this machine. Raises CommandError."""
+    _named(machine, command.string("STEPPER"))
+    _check_distance(machine, "DISTANCE", command.value("DISTANCE", 0.0))
+
+
 class MotorMoves:
     """Moves of motors of one printer, at standstill. A homed axis stays homed, and within its
     limits."""
@@ -87,19 +114,18 @@ class MotorMoves:
         "FORCE_MOVE",
         Subject.MOTORS,
         When.EXCLUSIVE,
-        "STEPPER DISTANCE(mm) VELOCITY(mm/s)",
         "Turns a motor, with those that drive the same, also where the axis is not homed. A homed"
         " axis keeps within its limits, and stays homed. ACCEL is read and ignored.",
+        text("STEPPER", "the name of the motor"),
+        number("DISTANCE", "how far", "mm or degrees", required=True),
+        number("VELOCITY", "how fast", "mm/s", 0, above=True, required=True),
+        ignored("ACCEL"),
         kind=Kind.SERVED,
-        bare=None,
+        valid=_check_motor,
     )
     def _force(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.pairs()
-        motor = self._motor(words.get("STEPPER", ""))
-        distance, speed = number(words, "DISTANCE"), number(words, "VELOCITY")
-        self._require_distance("DISTANCE", distance)
-        if speed <= 0:
-            raise CommandError.bad_value("VELOCITY", speed, "more than 0 mm/s")
+        motor = _named(self._machine, command.string("STEPPER"))
+        distance, speed = command.value("DISTANCE"), command.value("VELOCITY")
         self._require_no_print(command)
         self._note(motor, reply)
         return self._turning({motor: distance}, speed, reply)
@@ -108,14 +134,14 @@ class MotorMoves:
         "STEPPER_BUZZ",
         Subject.MOTORS,
         When.EXCLUSIVE,
-        "STEPPER",
         "Turns a motor 1 mm forth and back, ten times, to see which one it is and how it is wired;"
         " the axis need not be homed.",
+        text("STEPPER", "the name of the motor"),
         kind=Kind.SERVED,
-        bare=None,
+        valid=_check_motor,
     )
     def _buzz(self, command: Command, reply: Reply) -> Wait | None:
-        motor = self._motor(command.pairs().get("STEPPER", ""))
+        motor = _named(self._machine, command.string("STEPPER"))
         self._require_no_print(command)
         self._note(motor, reply)
         turn = self._together({motor: 1.0})
@@ -126,12 +152,13 @@ class MotorMoves:
         "SET_KINEMATIC_POSITION",
         Subject.POSITIONS,
         When.EXCLUSIVE,
-        "X Y Z (mm) SET_HOMED CLEAR_HOMED (axes)",
         "Sets the positions of axes in the machine, which count as homed then, without a move; with"
         " SET_HOMED only the axes in its list. CLEAR_HOMED takes that from axes. During a print"
         " only its own file may do so.",
+        number("X Y Z", "the position in the machine", "mm"),
+        text("SET_HOMED", "the axes that count as homed then, by default all that are given"),
+        text("CLEAR_HOMED", "the axes that do not count as homed then"),
         kind=Kind.SERVED,
-        bare=None,
     )
     def _set_position(self, command: Command, reply: Reply) -> Wait | None:
         job = self._rig.job
@@ -151,9 +178,10 @@ class MotorMoves:
         "G1 H1",
         Subject.MOTORS,
         When.EXCLUSIVE,
-        "X Y Z (mm) F(mm/min)",
         "Moves straight until each axis has triggered its endstop, and is homed there, as in"
         " RepRapFirmware. On a delta X, Y and Z are its towers. Not during a print.",
+        axes("X Y Z", "how far, or after G90 where to", "mm"),
+        number("F", "the feedrate", "mm/min", 0, above=True, default=_DEFAULT_F),
         kind=Kind.SERVED,
     )
     def _approach(self, command: Command, reply: Reply) -> Wait | None:
@@ -172,7 +200,7 @@ class MotorMoves:
         if not by:
             raise CommandError.of("input.missing-word", axis="G1 H1", value="X, Y or Z")
         self._require_no_print(command)
-        speed = words.get("F", _DEFAULT_F) / 60
+        speed = command.value("F") / 60
 
         async def approach() -> None:
             await self._homer.approach(by, speed)
@@ -184,19 +212,21 @@ class MotorMoves:
         "G1 H2",
         Subject.MOTORS,
         When.EXCLUSIVE,
-        "X Y Z, A B C (mm or degrees) F(mm/min)",
         "Moves motors by themselves, as in RepRapFirmware: X is the first motor of the geometry,"
         " whatever it moves. After G91 the axes need not be homed. Homed axes keep within their"
         " limits, and their positions follow. Not during a print.",
+        axes("X Y Z", "how far, or after G90 where to", "mm or degrees"),
+        number("F", "the feedrate", "mm/min", 0, above=True, default=_DEFAULT_F),
         kind=Kind.SERVED,
     )
     @command(
         "G1 A",
         Subject.MOTORS,
         When.EXCLUSIVE,
-        "A B C (mm or degrees) F(mm/min)",
         "As G1 H2, with the letters of motors, as in APrinter: `G1 A100` moves the motor A of a"
         " delta or of crossed belts to its position 100.",
+        axes("A B C", "how far, or after G90 where to", "mm or degrees"),
+        number("F", "the feedrate", "mm/min", 0, above=True, default=_DEFAULT_F),
         kind=Kind.SERVED,
     )
     def _move(self, command: Command, reply: Reply) -> Wait | None:
@@ -214,12 +244,12 @@ class MotorMoves:
                 distance = at - self._rig.job.machine_position[slot]
             else:
                 distance = at - joints[motor.driven.index]
-            self._require_distance(letter, distance)
+            _check_distance(self._machine, letter, distance)
             moves[motor] = distance
         if not any(moves.values()):
             return None
         self._require_no_print(command)
-        return self._turning(moves, words.get("F", _DEFAULT_F) / 60, reply)
+        return self._turning(moves, command.value("F") / 60, reply)
 
     def _part(self, letter: str, *, motors: bool) -> str:
         """The axis with a letter, or the motor of the geometry: X is the first, Y the second, Z the
@@ -236,22 +266,6 @@ class MotorMoves:
         raise CommandError.of("command.value", axis="the motor", value=letter, limit=limit)
 
     # -- motors -----------------------------------------------------------------------------------
-
-    def _motor(self, name: str) -> _Motor:
-        """The motor with this name (Klipper's or the machine file's). Raises CommandError."""
-        driven_by = self._machine.driven_by
-        movable = [
-            n for n in self._machine.steppers if (d := driven_by(n)) and d.drive != "extruder"
-        ]
-        named = {stepper_object(n): n for n in movable} | {n: n for n in movable}
-        if name not in named:
-            limit = ", ".join(stepper_object(n) for n in movable)
-            raise CommandError.of(
-                "command.value", axis="STEPPER", value=name or "missing", limit=limit
-            )
-        driven = driven_by(named[name])
-        assert driven is not None
-        return _Motor(driven, tuple(n for n in movable if driven_by(n) == driven))
 
     def _motor_of(self, part: str) -> _Motor:
         """The motors of an actuator or an axis."""
@@ -318,12 +332,6 @@ class MotorMoves:
     def _require_no_print(self, command: Command) -> None:
         if self._state.busy():
             raise CommandError.of("motors.print", axis=command.code)
-
-    def _require_distance(self, word: str, distance: float) -> None:
-        longest = max(a.max_mm - a.min_mm for a in self._machine.axes.values() if not a.extruder)
-        if abs(distance) > longest:
-            limit = f"{-longest:g} to {longest:g} mm or degrees at once"
-            raise CommandError.bad_value(word, distance, limit)
 
     def _fits(self, turn: _Turn, by: Sequence[float]) -> bool:
         """Whether all homed axes that move with the motors stay within their limits."""

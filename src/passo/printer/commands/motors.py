@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isfinite
 
-from passo.errors import CommandError
 from passo.gcode.command import Command
-from passo.gcode.registry import AXES, NOT_NEGATIVE_S, Kind, Subject, When, command
+from passo.gcode.parameters import axes, ignored, number
+from passo.gcode.registry import Kind, Subject, When, command
 from passo.motion.endstops import axes_lost, named_motors
 from passo.motion.rig import Rig
 from passo.printer.laser import Laser
@@ -77,10 +76,10 @@ class Motors:
         "M17",
         Subject.MOTORS,
         When.PLANNED,
-        "X Y Z E",
         "Switches motors on. Moves switch them on, too.",
+        axes("X Y Z E", "an axis or a motor", alone=True),
+        ignored("R S"),
         kind=Kind.QUIET,
-        bare=AXES + "RS",
     )
     def _switch_on(self, command: Command, _: Reply) -> Wait | None:
         self._set(self.named(command.text), on=True)
@@ -90,25 +89,22 @@ class Motors:
         "M18",
         Subject.MOTORS,
         When.EXCLUSIVE,
-        "X Y Z E S(s)",
         "Switches motors off at standstill. S sets the idle time after which all motors go off,"
         " if no heater is on.",
-        bare=AXES,
-        bounds=NOT_NEGATIVE_S,
+        axes("X Y Z E", "an axis or a motor", alone=True),
+        number("S", "the idle time after which all motors go off; 0: never", "s", 0),
     )
     @command(
         "M84",
         Subject.MOTORS,
         When.EXCLUSIVE,
-        "X Y Z E S(s)",
         "As M18.",
-        bare=AXES,
-        bounds=NOT_NEGATIVE_S,
+        axes("X Y Z E", "an axis or a motor", alone=True),
+        number("S", "the idle time after which all motors go off; 0: never", "s", 0),
     )
     def _switch_off(self, command: Command, _: Reply) -> Wait | None:
-        words = command.words()
-        if "S" in words:  # 0 means never
-            self.idle_s = words["S"]
+        if (idle_s := command.value("S", None)) is not None:  # 0 means never
+            self.idle_s = idle_s
             return None
         steppers = self.named(command.text)
         self._laser.off()
@@ -118,19 +114,9 @@ class Motors:
         "SET_IDLE_TIMEOUT",
         Subject.MOTORS,
         When.PLANNED,
-        "TIMEOUT(s)",
         "Sets the idle time after which motors and heaters go off, until the next restart.",
+        number("TIMEOUT", "the time", "s", 0, _MAX_S, above=True, required=True),
         kind=Kind.SERVED,
-        bare=None,
     )
     def _idle_timeout(self, command: Command, _: Reply) -> None:
-        words = command.pairs()
-        if "TIMEOUT" not in words:
-            raise CommandError.of("input.missing-word", axis=command.code, value="TIMEOUT")
-        try:
-            seconds = float(words["TIMEOUT"])
-        except ValueError:
-            raise CommandError.of("input.number", value=f"TIMEOUT={words['TIMEOUT']}") from None
-        if not (isfinite(seconds) and 0 < seconds <= _MAX_S):
-            raise CommandError.bad_value("TIMEOUT", seconds, f"more than 0 s, at most {_MAX_S:g} s")
-        self.idle_s = self.heaters_off_s = seconds
+        self.idle_s = self.heaters_off_s = command.value("TIMEOUT")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import text
 from passo.gcode.registry import Subject, When, command
 from passo.printer.wait_requests import Reply
 
@@ -17,9 +18,9 @@ class NotYet:
         "SYNC_EXTRUDER_MOTION",
         Subject.FILAMENT,
         When.PLANNED,
-        "EXTRUDER MOTION_QUEUE",
         f"Is refused. {_SYNC}",
-        bare=None,
+        text("EXTRUDER", "the name of the extruder"),
+        text("MOTION_QUEUE", "the name of the extruder that it follows"),
         lacks=_SYNC,
     )
     def _sync(self, command: Command, _: Reply) -> None:

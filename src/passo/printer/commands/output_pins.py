@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from passo.config.part_names import found_name
 from passo.errors import CommandError
+from passo.gcode.parameters import ignored, integer, number, rest, text
 from passo.gcode.registry import Subject, When, command
 from passo.printer.commands.klipper_commands import number
 from passo.printer.commands.ranges import beyond
@@ -50,23 +51,22 @@ class OutputPins:
         "SET_PIN",
         Subject.OUTPUTS,
         When.PLANNED,
-        "PIN VALUE",
         "Sets an output by its name; VALUE is from 0 to the `scale` of the output.",
-        bare=None,
+        text("PIN", "the name of the output"),
+        number("VALUE", "from 0 to the scale of the output"),
         lacks=_LACKS,
     )
     def _set_pin(self, command: Command, reply: Reply) -> None:
-        words = command.pairs()
-        written = words.get("PIN", "")
+        written = command.string("PIN")
         name = found_name(self._all, written)
         if name is None:
             self._set_absent(command, written, reply)
             return
-        for word in words.keys() - {"PIN", "VALUE"}:
+        for word in command.unknown():
             note = f"SET_PIN {word} does nothing here; the machine file has pwm_hz of {name}"
             reply.note(f"SET_PIN {word}", note)
         output = self._all[name]
-        value = number(words, "VALUE")
+        value = command.value("VALUE")
         if not 0 <= value <= output.scale or (output.pwm == "none" and 0 < value < output.scale):
             limit = f"0 to {output.scale:g}"
             if output.pwm == "none":
@@ -79,7 +79,7 @@ class OutputPins:
         others."""
         state = self._stand_ins.named(PINS, written)
         if state is not None:
-            state["value"] = number(command.pairs(), "VALUE", 0.0)
+            state["value"] = command.value("VALUE", 0.0)
             self._omitted.count(SkippedCommand.NOT_BUILT, command.code, command.line)
         elif self._all:
             limit = ", ".join(self._all)
@@ -93,34 +93,33 @@ class OutputPins:
         "M42",
         Subject.OUTPUTS,
         When.PLANNED,
-        "P S(0-255)",
         "Sets the output with the `number` P. An output without pwm is on from S1.",
-        bare="I",
+        integer("P", "the number of the output", 0, required=True),
+        number("S", "the value", low=0, high=_FULL, clamped=True),
+        ignored("I M T"),
         lacks=_LACKS,
     )
     def _set_number(self, command: Command, reply: Reply) -> None:
-        words = command.words()
         numbers = {o.number: name for name, o in self._all.items() if o.number is not None}
-        wanted = words.get("P")
-        if wanted is None:
-            raise CommandError.of("input.missing-word", axis="the command", value="P")
-        if int(wanted) not in numbers:
+        wanted, value = command.integer("P"), command.value("S", None)
+        if wanted not in numbers:
             limit = ", ".join(map(str, numbers)) or "no output with a number"
             raise CommandError.bad_value("P", wanted, limit)
-        if "S" not in words:
+        if value is None:
             reply.note("M42", "M42 sets outputs, by S; the machine file has the settings")
             return
-        if note := beyond("M42 S", words["S"], (0, _FULL)):
+        if note := beyond("M42 S", value, (0, _FULL)):
             reply.note(note, note)
-        self._set_share(numbers[int(wanted)], words["S"] / _FULL)
+        self._set_share(numbers[wanted], value / _FULL)
 
     @command(
         "M355",
         Subject.OUTPUTS,
         When.PLANNED,
-        "S(0-1) P(0-255)",
         "Switches the light of the machine on or off, and sets its brightness P. Without"
         " parameters it reports them.",
+        number("S", "1: on, 0: off"),
+        number("P", "the brightness", low=0, high=_FULL, clamped=True),
         lacks=_LACKS,
     )
     def _set_light(self, command: Command, reply: Reply) -> None:
@@ -146,9 +145,8 @@ class OutputPins:
         "M240",
         Subject.OUTPUTS,
         When.PLANNED,
-        "",
         "Triggers the camera: its output is on for 0.1 s, at standstill.",
-        bare=None,
+        rest(),
         lacks=_LACKS,
     )
     def _trigger(self, command: Command, reply: Reply) -> None:

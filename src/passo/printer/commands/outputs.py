@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from passo.config.outputs import timed_name
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import AT_ONCE, ignored, number
 from passo.gcode.registry import Subject, When, command, in_program
 from passo.printer.commands.ranges import beyond
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from passo.printer.commands.plan import Plan
     from passo.printer.wait_requests import Reply
 
-_SETTINGS = set("UIHLXT")  # of M106
+_SETTINGS = "UIHLXT"  # of M106
 _FULL_FAN = 255  # S of M106
 
 
@@ -78,31 +79,40 @@ class Outputs:
     # -- laser and spindle ------------------------------------------------------------------------
 
     @command(
-        "M3", Subject.OUTPUTS, When.PLANNED, "S", "Switches the laser or spindle on.", bare="I"
+        "M3",
+        Subject.OUTPUTS,
+        When.PLANNED,
+        "Switches the laser or spindle on.",
+        number("S", "the power or the speed"),
+        ignored("I"),
     )
     @command(
         "M4",
         Subject.OUTPUTS,
         When.PLANNED,
-        "S",
         "Switches the laser on, with power in proportion to the speed; it is off at standstill and"
         " in G0.",
-        bare="I",
+        number("S", "the power or the speed"),
+        ignored("I"),
     )
     def _spindle_start(self, command: Command, _: Reply) -> None:
-        self._spindle = command.words().get("S", self._spindle)
+        self._spindle = command.value("S", self._spindle)
         self._spindle_mode = command.code
         self._laser()
 
     @command(
-        "M5", Subject.OUTPUTS, When.PLANNED, "", "Switches the laser or spindle off.", bare="I"
+        "M5",
+        Subject.OUTPUTS,
+        When.PLANNED,
+        "Switches the laser or spindle off.",
+        ignored("I"),
     )
     def _spindle_stop(self, _: Command, __: Reply) -> None:
         self.laser_off()
 
     @in_program("S")
     def _spindle_power(self, command: Command, _: Reply) -> None:
-        self._spindle = command.words().get("S", self._spindle)
+        self._spindle = command.value("S", self._spindle)
         self._laser()
 
     def laser_off(self) -> None:
@@ -145,16 +155,18 @@ class Outputs:
         "M106",
         Subject.OUTPUTS,
         When.PLANNED,
-        "S(0-255) P F",
         "Sets the speed of fan P, without S to full speed. F: at once. Settings without S (U I H L"
         " X T, F with a number) have no effect: the machine file has them.",
-        bare="F",
+        number("S", "the speed", low=0, high=_FULL_FAN, clamped=True),
+        number("P", "the fan", default=0),
+        AT_ONCE,
+        ignored("U I H L X T C B"),
         forced=True,
     )
     def _fan_on(self, command: Command, reply: Reply) -> None:
         words = command.words()
         share, given = None, words.get("S", _FULL_FAN)
-        if "S" in words or not ("F" in words or _SETTINGS & set(command.letters())):
+        if "S" in words or not ("F" in words or command.has(*_SETTINGS)):
             share = min(max(given / _FULL_FAN, 0.0), 1.0)
         self._set_fan(command, share, reply)
         if "F" in words:
@@ -168,9 +180,9 @@ class Outputs:
         "M107",
         Subject.OUTPUTS,
         When.PLANNED,
-        "P F",
         "Switches fan P off. F: at once.",
-        bare="F",
+        number("P", "the fan", default=0),
+        AT_ONCE,
         forced=True,
     )
     def _fan_off(self, command: Command, reply: Reply) -> None:
@@ -180,9 +192,9 @@ class Outputs:
         """Sets a fan to the fraction `share`; None changes only its settings. If P does not name a
         fan, it raises CommandError; but macros, which are written for other printers, go on. A
         machine without fans ignores a command without P."""
-        words, fans = command.words(), self._machine.fans
-        number = words.get("P")
-        at_once = "F" not in words and "F" in command.letters()
+        fans = self._machine.fans
+        number = command.value("P", None)
+        at_once = command.has("F") and command.value("F", None) is None
         numbers = [fans[name].number for name in self.commanded_fans]
         if number is not None and number not in numbers:
             limit = ", ".join(map(str, numbers)) or "no fan"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from passo.gcode.command import Command
+from passo.gcode.parameters import flag
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.motion.rig import Rig
 from passo.printer.commands.motors import Motors
@@ -49,13 +50,12 @@ class PowerSupply:
         "M80",
         Subject.OUTPUTS,
         When.EXCLUSIVE,
-        "S",
         "Switches the power supply on. S reports whether it is on.",
+        flag("S", "reports whether it is on"),
         kind=Kind.QUIET,
-        bare="S",
     )
     def _switch_on(self, command: Command, reply: Reply) -> Wait | None:
-        if "S" in command.letters():
+        if command.has("S"):
             reply.say(f"PS:{int(self._power.on)}")
             return None
         return None if self._power.on else WaitForProcedure(self._rise)
@@ -68,7 +68,6 @@ class PowerSupply:
         "M81",
         Subject.OUTPUTS,
         When.EXCLUSIVE,
-        "",
         "Switches heaters and motors off, and the power supply if it has a pin.",
         kind=Kind.SERVED,
     )

@@ -9,9 +9,9 @@ from pydantic import ValidationError
 
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
+from passo.gcode.parameters import number, text
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.motion.predefined_moves import PredefinedMoves, named
-from passo.printer.commands.klipper_commands import number
 from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
 
 if TYPE_CHECKING:
@@ -28,13 +28,12 @@ class PredefinedMoveCommands:
         "MOVE_TO",
         Subject.MOVES,
         When.EXCLUSIVE,
-        "NAME",
         "Makes the move of that name in `[moves]` of the machine file. Its hook makes it without a"
         " command.",
-        bare=None,
+        text("NAME", "the name of the move"),
     )
     def _move(self, command: Command, _: Reply) -> Wait | None:
-        name = command.pairs().get("NAME", "")
+        name = command.string("NAME")
         named(self._moves.moves, name)
         return WaitForProcedure(lambda: self._moves.run(name))
 
@@ -42,18 +41,19 @@ class PredefinedMoveCommands:
         "SET_MOVE",
         Subject.MOVES,
         When.EXCLUSIVE,
-        "NAME ENABLED SPEED(mm/s) X Y Z (mm)",
         "Changes a move of `[moves]`, as M926 does by APrinter's names (`Move1X`); M500 stores it."
         " Only axes that the move has can be given.",
+        text("NAME", "the name of the move"),
+        number("ENABLED", "0: it is not made"),
+        number("SPEED", "its speed", "mm/s", 0, above=True),
+        number("X Y Z", "its end", "mm"),
         kind=Kind.SERVED,
-        bare=None,
     )
     def _set(self, command: Command, _: Reply) -> Wait | None:
-        pairs = command.pairs()
-        name = pairs.get("NAME", "")
+        name = command.string("NAME")
         move = named(self._moves.moves, name)
         position_mm = {
-            axis: number(pairs, axis.upper(), mm) for axis, mm in move.position_mm.items()
+            axis: command.value(axis.upper(), mm) for axis, mm in move.position_mm.items()
         }
         for axis, mm in position_mm.items():
             low, high = self._machine.axes[axis].min_mm, self._machine.axes[axis].max_mm
@@ -61,11 +61,11 @@ class PredefinedMoveCommands:
                 low, high = low - high, high - low
             if not low <= mm <= high:
                 raise CommandError.bad_value(axis.upper(), mm, f"{low:g} to {high:g} mm")
-        speed_mm_s = number(pairs, "SPEED", move.speed_mm_s)
+        speed_mm_s = command.value("SPEED", move.speed_mm_s)
         values = {
             "position_mm": position_mm,
             "speed_mm_s": speed_mm_s,
-            "enabled": number(pairs, "ENABLED", float(move.enabled)) != 0,
+            "enabled": command.value("ENABLED", float(move.enabled)) != 0,
         }
         try:
             changed = type(move).model_validate({**move.model_dump(), **values})

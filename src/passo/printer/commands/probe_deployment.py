@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import choice, ignored, integer, number
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.motion.probing import Prober
 from passo.printer.commands.probing import NO_PROBE
@@ -25,21 +26,18 @@ class ProbeDeploymentCommands:
         "M401",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "",
         "Lifts the nozzle and deploys the probe, which stays so until M402. Commands that measure"
         " deploy it by themselves.",
+        ignored("H R S"),
         kind=Kind.PROBED,
-        bare="HRS",
         lacks=NO_PROBE,
     )
     @command(
         "ATTACH_PROBE",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "",
         "As M401.",
         kind=Kind.PROBED,
-        bare=None,
         lacks=NO_PROBE,
     )
     def _deploy(self, _: Command, __: Reply) -> Wait | None:
@@ -49,20 +47,17 @@ class ProbeDeploymentCommands:
         "M402",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "",
         "Lifts the nozzle and stows the probe.",
+        ignored("R"),
         kind=Kind.PROBED,
-        bare="R",
         lacks=NO_PROBE,
     )
     @command(
         "DETACH_PROBE",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "",
         "As M402.",
         kind=Kind.PROBED,
-        bare=None,
         lacks=NO_PROBE,
     )
     def _stow(self, _: Command, __: Reply) -> Wait | None:
@@ -72,19 +67,15 @@ class ProbeDeploymentCommands:
         "M280",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "P S(° or µs)",
         "Turns the servo of the probe (P0) to an angle; 10 to 160 are commands of a BLTouch. S of"
         " 544 or more is the length of the pulses.",
+        integer("P", "the servo, that of the probe", 0, 0),
+        number("S", "the angle, or from 544 on the length of the pulses in µs", "°", required=True),
         kind=Kind.SERVED,
         lacks=_NO_SERVO,
     )
     def _servo(self, command: Command, _: Reply) -> Wait | None:
-        words, probe = command.words(), self._prober.carried
-        if words.get("P", 0.0) != 0:
-            raise CommandError.bad_value("P", words["P"], "0, the servo of the probe")
-        if "S" not in words:
-            raise CommandError.of("input.missing-word", axis="M280", value="S")
-        given = words["S"]
+        given, probe = command.value("S"), self._prober.carried
         width_us = given if given >= probe.width_us(0) else probe.width_us(given)
         if not _SHORTEST_US <= width_us <= _LONGEST_US:
             raise CommandError.bad_value("S", given, "0 to 180° or 544 to 2500 µs")
@@ -94,21 +85,16 @@ class ProbeDeploymentCommands:
         "BLTOUCH_DEBUG",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "COMMAND",
         f"Sends a command to a BLTouch: {', '.join(COMMANDS)}.",
+        choice("COMMAND", "what the probe does", *COMMANDS, required=True),
         kind=Kind.SERVED,
-        bare=None,
         lacks="The probe of this machine is not a BLTouch.",
     )
     def _debug(self, command: Command, _: Reply) -> Wait | None:
-        name = command.pairs().get("COMMAND", "")
         by_name = {k.lower(): width for k, width in COMMANDS.items()}
         if not isinstance(self._prober.carried, BLTouch):
             raise CommandError.of("probe.no-servo", value="BLTOUCH_DEBUG")
-        if name.lower() not in by_name:
-            limit = ", ".join(COMMANDS)
-            raise CommandError.of("command.value", axis="COMMAND", value=name, limit=limit)
-        return self._pulse(by_name[name.lower()])
+        return self._pulse(by_name[command.string("COMMAND").lower()])
 
     def _pulse(self, width_us: float) -> Wait:
         return WaitForProcedure(lambda: self._prober.pulse(width_us, _PULSES_S))

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import number
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.motion.probing import Prober
 from passo.printer.commands.probing import NO_PROBE
@@ -30,8 +31,9 @@ class ProbeMoveCommands:
         "G38.2",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        _WORDS,
         "Moves straight until the probe triggers; an error if it does not.",
+        number("X Y Z", "the end of the move", "mm"),
+        number("F", "the feedrate", "mm/min", 0, above=True),
         kind=Kind.PROBED,
         lacks=NO_PROBE,
     )
@@ -39,8 +41,9 @@ class ProbeMoveCommands:
         "G38.3",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        _WORDS,
         "As G38.2, without the error.",
+        number("X Y Z", "the end of the move", "mm"),
+        number("F", "the feedrate", "mm/min", 0, above=True),
         kind=Kind.PROBED,
         lacks=NO_PROBE,
     )
@@ -48,8 +51,9 @@ class ProbeMoveCommands:
         "G38.4",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        _WORDS,
         "Moves straight until the probe opens; an error if it does not.",
+        number("X Y Z", "the end of the move", "mm"),
+        number("F", "the feedrate", "mm/min", 0, above=True),
         kind=Kind.PROBED,
         lacks=NO_PROBE,
     )
@@ -57,20 +61,20 @@ class ProbeMoveCommands:
         "G38.5",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        _WORDS,
         "As G38.4, without the error.",
+        number("X Y Z", "the end of the move", "mm"),
+        number("F", "the feedrate", "mm/min", 0, above=True),
         kind=Kind.PROBED,
         lacks=NO_PROBE,
     )
     def _seek(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.words()
-        given = {letter: words[letter] for letter in _SLOTS if letter in words}
+        given = {letter: command.value(letter) for letter in _SLOTS if command.has(letter)}
         if not given:
             raise CommandError.of("input.missing-word", axis=command.code, value="X, Y or Z")
-        speed_mm_s = words.get("F", 60 * self._prober.probe.slow_mm_s) / 60
-        if not 0 < speed_mm_s <= self._prober.probe.travel_mm_s:
+        speed_mm_s = command.value("F", 60 * self._prober.probe.slow_mm_s) / 60
+        if speed_mm_s > self._prober.probe.travel_mm_s:
             limit = f"up to {60 * self._prober.probe.travel_mm_s:g} mm/min"
-            raise CommandError.bad_value("F", words["F"], limit)
+            raise CommandError.bad_value("F", 60 * speed_mm_s, limit)
         return WaitForProcedure(lambda: self._sought(command.code, given, speed_mm_s, reply))
 
     async def _sought(

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import ignored, number, rest
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.motion.axis_slots import Z
 from passo.motion.probing import Prober
@@ -51,9 +52,10 @@ class ProbeOffsetCommands:
         "M851",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "X Y Z (mm)",
         "Sets the place of the probe from the nozzle. Z is below 0 if the probe triggers while the"
         " nozzle is above the bed. Without parameters it reports them.",
+        number("X Y", "the place of the probe", "mm", -300, 300),
+        number("Z", "the height, below 0 if it triggers above the bed", "mm", -20, 20),
         kind=Kind.PROBED,
         lacks=NO_PROBE,
     )
@@ -88,9 +90,11 @@ class ProbeOffsetCommands:
         "G31",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "X Y Z (mm)",
         "As M851 in RepRapFirmware's words: Z is the height of the nozzle at which the probe"
         " triggers.",
+        number("X Y", "the place of the probe", "mm", -300, 300),
+        number("Z", "the height at which the probe triggers", "mm", -20, 20),
+        ignored("P T"),
         kind=Kind.PROBED,
         lacks=NO_PROBE,
     )
@@ -111,12 +115,14 @@ class ProbeOffsetCommands:
         "M558",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "F(mm/min) T(mm/min) H(mm) A S(mm) R(s)",
         "Sets until a restart how the probe measures: speeds of the first and of the measured"
         " descents (F300:120), of travel (T), start height (H), samples (A), what they may differ"
         " (S), pause before a descent (R). Without parameters it reports them.",
+        rest(
+            "F(mm/min) T(mm/min) H(mm) A S(mm) R(s)",
+            "speeds, start height, number of samples, what they may differ, pause",
+        ),
         kind=Kind.PROBED,
-        bare=None,
         lacks=NO_PROBE,
     )
     def _measuring(self, command: Command, reply: Reply) -> Wait | None:
@@ -147,12 +153,10 @@ class ProbeOffsetCommands:
         "Z_OFFSET_APPLY_PROBE",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "",
         "Makes the babysteps of Z (M290, SET_GCODE_OFFSET) part of the trigger height of the probe,"
         " and of the correction in force or, if the probe homes Z, of its zero. No motor moves."
         " M500 stores it.",
         kind=Kind.SERVED,
-        bare=None,
         lacks=NO_PROBE,
     )
     def _apply(self, _: Command, reply: Reply) -> Wait | None:

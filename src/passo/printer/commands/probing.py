@@ -5,8 +5,8 @@ from __future__ import annotations
 from statistics import fmean, median, pstdev
 from typing import TYPE_CHECKING
 
-from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import ignored, integer, number
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.motion.probing import Place, Prober
 from passo.printer.wait_requests import Reply, Wait, WaitForMoves, WaitForProcedure
@@ -27,23 +27,21 @@ class ProbeCommands:
         "G30",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "X Y (mm)",
         "Measures the height of the bed at X and Y of the probe, by default where it is.",
+        number("X Y", "the place of the probe", "mm"),
+        ignored("Z S P H E"),
         kind=Kind.PROBED,
         lacks=NO_PROBE,
     )
     def _probe(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.words()
-        return WaitForProcedure(lambda: self._probe_once(words, reply))
+        return WaitForProcedure(lambda: self._probe_once(command, reply))
 
     @command(
         "PROBE",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "",
         "Measures the height of the bed where the probe is, as Klipper reports it.",
         kind=Kind.PROBED,
-        bare=None,
         lacks=NO_PROBE,
     )
     def _probe_here(self, _: Command, reply: Reply) -> Wait | None:
@@ -59,7 +57,6 @@ class ProbeCommands:
         "QUERY_PROBE",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "",
         "Reports whether the probe is triggered.",
         kind=Kind.SERVED,
         lacks=NO_PROBE,
@@ -74,23 +71,19 @@ class ProbeCommands:
         "M48",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "P(4-50) X Y (mm)",
         "Measures one place P times (10), and reports how much the heights differ.",
+        number("P", "how often", low=4, high=50, default=10),
+        number("X Y", "the place of the probe", "mm"),
+        ignored("V E L S"),
         kind=Kind.PROBED,
-        bare="VE",
         lacks=NO_PROBE,
     )
     def _repeatability(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.words()
-        count = words.get("P", 10.0)
-        if not 4 <= count <= 50:
-            raise CommandError.bad_value("P", count, "4 to 50")
-        here = self._prober.place_here()
-        place = Place(words.get("X", here.x), words.get("Y", here.y), here.name)
+        count, place = int(command.value("P")), self._place(command)
 
         async def measure() -> None:
             reply.say("M48 Z-Probe Repeatability Test")
-            heights = await self._prober.samples(place, int(count))
+            heights = await self._prober.samples(place, count)
             reply.say("Finished!")
             low, high = min(heights), max(heights)
             reply.say(
@@ -104,19 +97,17 @@ class ProbeCommands:
         "PROBE_ACCURACY",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "SAMPLES(4-50)",
         "As M48 where the probe is, as Klipper reports it.",
+        integer("SAMPLES", "how often", 4, 50, default=10),
+        ignored("PROBE_SPEED LIFT_SPEED SAMPLE_RETRACT_DIST SAMPLES_RESULT"),
         kind=Kind.PROBED,
-        bare=None,
         lacks=NO_PROBE,
     )
     def _accuracy(self, command: Command, reply: Reply) -> Wait | None:
-        text = command.pairs().get("SAMPLES", "10")
-        if not (text.isdecimal() and 4 <= int(text) <= 50):
-            raise CommandError.of("command.value", axis="SAMPLES", value=text, limit="4 to 50")
+        count = command.integer("SAMPLES")
 
         async def measure() -> None:
-            heights = await self._prober.samples(self._prober.place_here(), int(text))
+            heights = await self._prober.samples(self._prober.place_here(), count)
             low, high = min(heights), max(heights)
             reply.say(
                 f"// probe accuracy results: maximum {high:.6f}, minimum {low:.6f}, range"
@@ -126,8 +117,12 @@ class ProbeCommands:
 
         return WaitForProcedure(measure)
 
-    async def _probe_once(self, words: dict[str, float], reply: Reply) -> None:
+    def _place(self, command: Command) -> Place:
+        """X and Y of the command, or where the probe is."""
         here = self._prober.place_here()
-        place = Place(words.get("X", here.x), words.get("Y", here.y), here.name)
+        return Place(command.value("X", here.x), command.value("Y", here.y), here.name)
+
+    async def _probe_once(self, command: Command, reply: Reply) -> None:
+        place = self._place(command)
         (measured,) = await self._prober.measure([place])
         reply.say(f"Bed X: {place.x:.2f} Y: {place.y:.2f} Z: {measured.height_mm:.3f}")

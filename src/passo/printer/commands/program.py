@@ -163,8 +163,10 @@ class Commands:
             # them.
             return WaitForMoves(self._job.bed.follow_tool) if self._job.bed.is_apart else None
         code = _key(command)
-        command.check()
-        command.check_values(in_file=reply is None)
+        command.check(self._machine, in_file=reply is None)
+        if reply is None:
+            for name in command.unknown():
+                self.omitted.count(SkippedCommand.PARAMETER, f"{name} of {code}", command.line)
         if code in self._left_out:
             return None
         handler = self._handler(code, Role.IN_PROGRAM, Role.DECLARED)

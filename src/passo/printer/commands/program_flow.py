@@ -10,7 +10,8 @@ from passo import _core
 from passo.config.predefined_moves import PredefinedMove, hooked
 from passo.errors import CommandError
 from passo.gcode.command import Command
-from passo.gcode.registry import ANY, Subject, When, command, in_program
+from passo.gcode.parameters import anything, axes, flag, integer, rest
+from passo.gcode.registry import Subject, When, command, in_program
 from passo.motion.axis_slots import SLOTS
 from passo.motion.predefined_moves import named, not_made, target_of
 from passo.motion.set_position import place_of_actuators, place_of_axes
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 # The text that the interpreter gives its own events. A program cannot produce it, because the lexer
 # removes trailing blanks.
 _BY_INTERPRETER = re.compile(r"([A-Z]-?\d+\.\d{6} )+")
-_BABYSTEP_MM = 2.0  # maximum of one command
+MAX_BABYSTEP_MM = 2.0  # maximum of one command
 
 
 def by_interpreter(command: Command) -> bool:
@@ -36,19 +37,16 @@ def by_interpreter(command: Command) -> bool:
 
 
 def babysteps(command: Command) -> list[tuple[int, float]]:
-    """M290: the distances, mm, by axis number; S means Z. Raises CommandError."""
+    """M290: the distances, mm, by axis number; S means Z."""
     words = command.words()
     words.setdefault("Z", words.get("S", 0.0))
-    found = [(i, words[letter]) for i, letter in enumerate("XYZ") if words.get(letter)]
-    for i, mm in found:
-        require_babystep("XYZ"[i], mm)
-    return found
+    return [(i, words[letter]) for i, letter in enumerate("XYZ") if words.get(letter)]
 
 
 def require_babystep(letter: str, mm: float) -> None:
     """Raises CommandError for a distance that is too long for one babystep."""
-    if abs(mm) > _BABYSTEP_MM:
-        raise CommandError.bad_value(letter, mm, f"at most {_BABYSTEP_MM:g} mm")
+    if abs(mm) > MAX_BABYSTEP_MM:
+        raise CommandError.bad_value(letter, mm, f"at most {MAX_BABYSTEP_MM:g} mm")
 
 
 class ProgramFlow:
@@ -74,10 +72,12 @@ class ProgramFlow:
         "G28",
         Subject.POSITIONS,
         When.EXCLUSIVE,
-        "X Y Z O B",
         "Homes these axes, without letters all. O homes only axes that are not homed, B returns to"
         " the position before. Without consoles it sets the axes to their home positions.",
-        bare=ANY,
+        axes("X Y Z", "an axis to home"),
+        flag("O", "homes only axes that are not homed"),
+        flag("B", "returns to the position before"),
+        anything(),
     )
     def _home(self, command: Command, _: Reply) -> Wait:
         self._outputs.laser_off()  # homing moves over the workpiece
@@ -91,7 +91,7 @@ class ProgramFlow:
 
     @in_program("MOVE_TO")
     def _move_to(self, command: Command, _: Reply) -> Wait:
-        name = command.pairs().get("NAME", "")
+        name = command.string("NAME")
         move = named(self._machine.moves, name)
         return WaitForMoves(lambda: self._make(name, move))
 
@@ -137,7 +137,6 @@ class ProgramFlow:
         "M400",
         Subject.MOVES,
         When.EXCLUSIVE,
-        "",
         "Waits until all moves are done and the machine is at standstill.",
     )
     def _finish_moves(self, _: Command, __: Reply) -> Wait:
@@ -147,17 +146,14 @@ class ProgramFlow:
         "SDCARD_LOOP_BEGIN",
         Subject.PRINTS,
         When.PLANNED,
-        "COUNT",
         "Begins lines of a file that are printed COUNT times, with 0 until SDCARD_LOOP_DESIST.",
-        bare=None,
+        integer("COUNT", "how often; 0: until SDCARD_LOOP_DESIST", 0, required=True),
     )
     @command(
         "SDCARD_LOOP_END",
         Subject.PRINTS,
         When.PLANNED,
-        "",
         "Ends the lines of SDCARD_LOOP_BEGIN. Loops may be within each other.",
-        bare=None,
     )
     def _loop(self, command: Command, _: Reply) -> None:
         """Refuses a loop outside of a file, whose reader carries it out."""
@@ -169,8 +165,18 @@ class ProgramFlow:
         return Stop(command.code, command.line)
 
     @in_program("M30")
-    @command("EOF", Subject.DRILLING, When.EXCLUSIVE, "", "Ends the program.")
-    @command("M2", Subject.DRILLING, When.EXCLUSIVE, "", "Ends the program.")
+    @command(
+        "EOF",
+        Subject.DRILLING,
+        When.EXCLUSIVE,
+        "Ends the program.",
+    )
+    @command(
+        "M2",
+        Subject.DRILLING,
+        When.EXCLUSIVE,
+        "Ends the program.",
+    )
     def _end(self, _: Command, __: Reply) -> Wait:
         self.ended = True
         return WaitForMoves()
@@ -181,10 +187,11 @@ class ProgramFlow:
         "M98",
         Subject.DRILLING,
         When.PLANNED,
-        "P(number) L(repeats)",
         "Calls the sub-program with this O number, or from this N number on, up to M99. In a file"
         " sub-programs come after the M30, M2 or M99 of the main program. At most 10 levels.",
-        bare=None,
+        integer("P", "the O or N number"),
+        integer("L", "repeats", 0),
+        rest(),
     )
     def _call(self, command: Command, _: Reply) -> None:
         """M98: skips the call of a missing sub-program, if that is allowed."""
@@ -194,10 +201,9 @@ class ProgramFlow:
         "M99",
         Subject.DRILLING,
         When.EXCLUSIVE,
-        "",
         "Ends a sub-program, and in the main program the program. With axes it has no effect: M425"
         " sets backlash compensation.",
-        bare=ANY,
+        anything(),
     )
     def _return(self, command: Command, reply: Reply) -> Wait | None:
         """M99 outside of a sub-program is refused, because other machines restart the program

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from passo.config.motor_roles import axis_order
 from passo.errors import CommandError, Problem
 from passo.gcode.command import Command
+from passo.gcode.parameters import flag, ignored, number, refused, rest
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.motion.endstops import switches
 from passo.printer.wait_requests import Reply, Wait
@@ -73,10 +74,11 @@ class Reports:
         "M114",
         Subject.POSITIONS,
         When.IMMEDIATE,
-        "D R",
         "Reports the position of the program. R reports the position of the machine now, D both.",
+        flag("D", "both positions"),
+        flag("R", "the position of the machine now"),
+        ignored("E"),
         kind=Kind.QUIET,
-        bare="DRE",
     )
     def _position(self, command: Command, reply: Reply) -> Wait | None:
         flags = command.text.upper().split()
@@ -107,7 +109,6 @@ class Reports:
         "M119",
         Subject.MOTORS,
         When.IMMEDIATE,
-        "",
         "Reports which endstops are triggered, and which sensors detect filament.",
         kind=Kind.QUIET,
     )
@@ -129,13 +130,13 @@ class Reports:
         "M122",
         Subject.MOTORS,
         When.IMMEDIATE,
-        "S",
         "Reports the soft limits of the axes, the state of the drivers, and late commands.",
+        number("S", "1: they stay on; the machine file has them", default=1),
+        ignored("I V X Y Z E P B"),
         kind=Kind.QUIET,
-        bare="IVXYZE",
     )
     def _limits(self, command: Command, reply: Reply) -> Wait | None:
-        if command.words().get("S", 1) == 0:
+        if command.value("S") == 0:
             raise CommandError([Problem("command.fixed", values={"value": "axes"})])
         axes = self._control.machine.axes
         names = [n for n in axis_order(axes) if not axes[n].extruder]
@@ -152,19 +153,17 @@ class Reports:
         "M123",
         Subject.MOTORS,
         When.IMMEDIATE,
-        "X Y Z",
         "Reports the logic of the endstops, which the machine file sets.",
+        refused("XYZIJKPD", "homing"),
         kind=Kind.QUIET,
-        fixed=_SWITCHES,
     )
     @command(
         "M124",
         Subject.MOTORS,
         When.IMMEDIATE,
-        "X Y Z",
         "Reports the logic and pull-ups of the endstops, as M123.",
+        refused("XYZIJKPD", "homing"),
         kind=Kind.QUIET,
-        fixed=_SWITCHES,
     )
     def _switch_logic(self, _: Command, reply: Reply) -> Wait | None:
         reply.say("Reporting endstop logic and pullup")
@@ -180,10 +179,9 @@ class Reports:
         "M115",
         Subject.CONSOLES,
         When.IMMEDIATE,
-        "",
         "Reports the firmware and its capabilities.",
+        rest(),
         kind=Kind.QUIET,
-        bare=None,
     )
     def _firmware(self, _: Command, reply: Reply) -> Wait | None:
         machine = self._control.machine

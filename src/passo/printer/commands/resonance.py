@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING
 from passo.config.shapers import Impulses, impulses
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import choice, flag, ignored, number, text
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.motion.resonance_test import Direction, ResonanceTest, direction
-from passo.printer.commands.klipper_commands import number
 from passo.printer.commands.motion_filters import Shaper
 from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
 from passo.resonance.analysis import Analysis, analyse
@@ -35,7 +35,13 @@ _NAME = re.compile(r"[A-Za-z0-9_-]+")
 _OUTPUTS = ("resonances", "raw_data")
 _LEAST_SHARE = 0.2  # of the motors' acceleration: a chip that feels less is not on the moved part
 _Z = Excitation(end_hz=100.0, accel_per_hz=15.0, sweep_accel_mm_s2=50.0)
-_SWEEP = "FREQ_START(Hz) FREQ_END(Hz) ACCEL_PER_HZ HZ_PER_SEC(0.1-2) POINT"
+_SWEEP = (
+    number("FREQ_START", "the first frequency", "Hz", 1, 299),
+    number("FREQ_END", "the last frequency", "Hz", 2, 300),
+    number("ACCEL_PER_HZ", "the acceleration for each hertz", "mm/s²", 1, 500),
+    number("HZ_PER_SEC", "how fast the frequency rises", "Hz/s", 0.1, 2),
+    text("POINT", "X,Y,Z of the nozzle in mm"),
+)
 
 
 class ResonanceCommands:
@@ -50,11 +56,9 @@ class ResonanceCommands:
         "ACCELEROMETER_QUERY",
         Subject.SPEED,
         When.EXCLUSIVE,
-        "",
         "Reports what the accelerometer measures, in mm/s2: at rest about 9800 along Z, the gravity"
         " of the earth.",
         kind=Kind.SERVED,
-        bare=None,
         lacks=NO_ACCELEROMETER,
     )
     def _query(self, _: Command, reply: Reply) -> Wait | None:
@@ -69,11 +73,9 @@ class ResonanceCommands:
         "MEASURE_AXES_NOISE",
         Subject.SPEED,
         When.EXCLUSIVE,
-        "",
         "Measures the noise of the accelerometer at rest: 1 to 100 is usual, 1000 and more is a"
         " fault, such as a fan that shakes it.",
         kind=Kind.SERVED,
-        bare=None,
         lacks=NO_ACCELEROMETER,
         package=_NUMPY,
     )
@@ -89,26 +91,28 @@ class ResonanceCommands:
         "TEST_RESONANCES",
         Subject.SPEED,
         When.EXCLUSIVE,
-        f"AXIS OUTPUT NAME {_SWEEP} INPUT_SHAPING(0-1)",
         "Vibrates the head along AXIS (X, Y, Z, or a direction such as 1,-1) with rising frequency,"
         " and writes the spectrum as CSV and as a picture (OUTPUT=resonances), or each sample"
         " (raw_data), or both. Shapers are off, unless INPUT_SHAPING=1.",
+        text("AXIS", "X, Y, Z or a direction such as 1,-1"),
+        text("OUTPUT", "resonances, raw_data or both"),
+        text("NAME", "the name of the files"),
+        *_SWEEP,
+        flag("INPUT_SHAPING", "with the shapers"),
+        ignored("CHIPS"),
         kind=Kind.SERVED,
-        bare=None,
         lacks=NO_ACCELEROMETER,
         package=_NUMPY,
     )
     def _measure(self, command: Command, reply: Reply) -> Wait | None:
-        pairs = command.pairs()
-        along = direction(pairs.get("AXIS", ""))
-        outputs = [text.strip().lower() for text in pairs.get("OUTPUT", "resonances").split(",")]
+        along = direction(command.string("AXIS"))
+        given = command.string("OUTPUT", "resonances")
+        outputs = [text.strip().lower() for text in given.split(",")]
         if not outputs or not set(outputs) <= {*_OUTPUTS}:
             limit = "resonances, raw_data or both"
-            shown = pairs.get("OUTPUT", "")
-            raise CommandError.of("command.value", axis="OUTPUT", value=shown, limit=limit)
-        excitation, point = self._sweep(along, pairs), self._point(pairs)
-        shapes = _within(pairs, "INPUT_SHAPING", 0.0, 0.0, 1.0) != 0
-        name = _named(pairs)
+            raise CommandError.of("command.value", axis="OUTPUT", value=given, limit=limit)
+        excitation, point = self._sweep(along, command), self._point(command)
+        shapes, name = command.flag("INPUT_SHAPING"), _named(command)
 
         async def run() -> None:
             found = await self._vibrate(along, excitation, point, shapes, reply)
@@ -132,27 +136,24 @@ class ResonanceCommands:
         "SHAPER_CALIBRATE",
         Subject.SPEED,
         When.EXCLUSIVE,
-        f"AXIS NAME MAX_SMOOTHING(mm) {_SWEEP} U(0-1)",
         "Measures X and Y (or AXIS), chooses the input shaper for each, says why, and uses it. M500"
         " or SAVE_CONFIG stores it; U=1 does so at once.",
+        choice("AXIS", "the axis, by default X and Y", "X", "Y", "Z"),
+        text("NAME", "the name of the files"),
+        number("MAX_SMOOTHING", "how much a shaper may smooth", "mm", 0.05, 10),
+        *_SWEEP,
+        flag("U", "stores the result"),
         kind=Kind.SERVED,
-        bare=None,
         lacks=NO_ACCELEROMETER,
         package=_NUMPY,
     )
     def _calibrate(self, command: Command, reply: Reply) -> Wait | None:
-        pairs = command.pairs()
-        axes = [pairs["AXIS"].lower()] if "AXIS" in pairs else ["x", "y"]
-        if axes[0] not in ("x", "y", "z"):
-            shown = pairs["AXIS"] or "missing"
-            raise CommandError.of("command.value", axis="AXIS", value=shown, limit="X, Y or Z")
+        axes = [command.string("AXIS").lower()] if command.has("AXIS") else ["x", "y"]
         along = [direction(axis) for axis in axes]
-        sweeps = [self._sweep(one, pairs) for one in along]
-        most = self._part.max_smoothing_mm
-        if "MAX_SMOOTHING" in pairs:
-            most = _within(pairs, "MAX_SMOOTHING", 0.0, 0.05, 10.0)
-        store = _within(pairs, "U", 0.0, 0.0, 1.0) != 0
-        point, name = self._point(pairs), _named(pairs)
+        sweeps = [self._sweep(one, command) for one in along]
+        most = command.value("MAX_SMOOTHING", None) or self._part.max_smoothing_mm
+        store = command.flag("U")
+        point, name = self._point(command), _named(command)
 
         async def run() -> None:
             for one, sweep in zip(along, sweeps, strict=True):
@@ -226,27 +227,31 @@ class ResonanceCommands:
             if shaper.frequency_hz > 0
         }
 
-    def _sweep(self, along: Direction, pairs: dict[str, str]) -> Excitation:
+    def _sweep(self, along: Direction, command: Command) -> Excitation:
         """The excitation of a direction with the parameters of a command. Raises CommandError."""
         usual = _Z if along.z else Excitation(accel_per_hz=self._part.accel_per_hz)
-        low = _within(pairs, "FREQ_START", usual.start_hz, 1.0, 299.0)
+        low = command.value("FREQ_START", usual.start_hz)
+        high = command.value("FREQ_END", usual.end_hz)
+        if high < low + 1:
+            raise CommandError.bad_value("FREQ_END", high, f"{low + 1:g} to 300 Hz")
         return replace(
             usual,
             start_hz=low,
-            end_hz=_within(pairs, "FREQ_END", usual.end_hz, low + 1, 300.0),
-            accel_per_hz=_within(pairs, "ACCEL_PER_HZ", usual.accel_per_hz, 1.0, 500.0),
-            hz_per_s=_within(pairs, "HZ_PER_SEC", usual.hz_per_s, 0.1, 2.0),
+            end_hz=high,
+            accel_per_hz=command.value("ACCEL_PER_HZ", usual.accel_per_hz),
+            hz_per_s=command.value("HZ_PER_SEC", usual.hz_per_s),
         )
 
-    def _point(self, pairs: dict[str, str]) -> Sequence[float]:
+    def _point(self, command: Command) -> Sequence[float]:
         """X, Y and Z of the nozzle for a measurement, mm. Raises CommandError."""
-        if "POINT" in pairs:
+        if command.has("POINT"):
+            given = command.string("POINT")
             try:
-                point = [float(part) for part in pairs["POINT"].split(",")]
+                point = [float(part) for part in given.split(",")]
             except ValueError:
                 point = []
             if len(point) != 3 or not all(map(isfinite, point)):
-                shown = pairs["POINT"][:30]
+                shown = given[:30]
                 raise CommandError.of(
                     "command.value", axis="POINT", value=shown, limit="X,Y,Z in mm"
                 )
@@ -255,17 +260,9 @@ class ResonanceCommands:
         return self._part.point_of(machine.bed_area_mm, machine.axes["z"].max_mm)
 
 
-def _within(pairs: dict[str, str], key: str, default: float, low: float, high: float) -> float:
-    """The number of a parameter. Raises CommandError."""
-    value = number(pairs, key, default)
-    if not low <= value <= high:
-        raise CommandError.bad_value(key, value, f"{low:g} to {high:g}")
-    return value
-
-
-def _named(pairs: dict[str, str]) -> str:
+def _named(command: Command) -> str:
     """The name of the files. Raises CommandError."""
-    name = pairs.get("NAME", f"{datetime.now():%Y%m%d_%H%M%S}")
+    name = command.string("NAME", f"{datetime.now():%Y%m%d_%H%M%S}")
     if not _NAME.fullmatch(name):
         limit = "letters, digits, - and _"
         raise CommandError.of("command.value", axis="NAME", value=name or "missing", limit=limit)

@@ -12,8 +12,9 @@ from passo.config.klipper_names import temperature_object
 from passo.config.part_names import found_name
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import AT_ONCE, ignored, integer, number
 from passo.gcode.registry import Subject, When, command, in_program
-from passo.printer.commands.klipper_commands import heater_named, number
+from passo.printer.commands.klipper_commands import heater_named
 from passo.printer.commands.material_presets import Presets
 from passo.printer.wait_requests import Reply, Wait, WaitForReading, WaitForTemperatures
 
@@ -91,11 +92,12 @@ class SetPoints:
         "M104",
         Subject.HEATERS,
         When.PLANNED,
-        "S(°C) I T P F",
         "Sets the temperature of a hotend, by S or by a material I of M145. Without them the hotend"
         " is off. F: at once.",
-        bare="F",
-        nan=True,
+        number("S", "the temperature; 0 or nan: off", "°C", nan=True),
+        integer("I", "a material of M145", 0, 2),
+        integer("T P", "the tool, by default the one in use"),
+        AT_ONCE,
         forced=True,
     )
     def _set_hotend(self, command: Command, _: Reply) -> None:
@@ -105,10 +107,12 @@ class SetPoints:
         "M140",
         Subject.HEATERS,
         When.PLANNED,
-        "S(°C) I P F",
         "Sets the temperature of the bed, by S or by a material I of M145. F: at once.",
-        bare="F",
-        nan=True,
+        number("S", "the temperature; 0 or nan: off", "°C", nan=True),
+        integer("I", "a material of M145", 0, 2),
+        integer("P", "the number of the bed"),
+        AT_ONCE,
+        ignored("T"),
         forced=True,
     )
     def _set_bed(self, command: Command, _: Reply) -> None:
@@ -118,10 +122,11 @@ class SetPoints:
         "M141",
         Subject.HEATERS,
         When.PLANNED,
-        "S(°C) P F",
         "Sets the temperature of the chamber. F: at once.",
-        bare="F",
-        nan=True,
+        number("S", "the temperature; 0 or nan: off", "°C", nan=True),
+        integer("P", "the number of the chamber"),
+        AT_ONCE,
+        ignored("T"),
         forced=True,
     )
     def _set_chamber(self, command: Command, _: Reply) -> None:
@@ -131,7 +136,7 @@ class SetPoints:
         words = command.words()
         if self._exists(kind, words):
             name = self.heater(kind, _number(words))
-            at_once = "F" in command.letters()
+            at_once = command.has("F")
             self._heat_to(name, self._celsius(words, kind), at_once=at_once)
 
     # -- wait -------------------------------------------------------------------------------------
@@ -140,11 +145,13 @@ class SetPoints:
         "M109",
         Subject.HEATERS,
         When.EXCLUSIVE,
-        "S(°C) R(°C) I T P",
         "Sets the temperature of a hotend, by S, R or a material I of M145, and waits for it. R"
         " also waits while it cools.",
-        bare="F",
-        nan=True,
+        number("S", "the temperature; 0 or nan: off", "°C", nan=True),
+        number("R", "as S, and it also waits while the heater cools", "°C"),
+        integer("I", "a material of M145", 0, 2),
+        integer("T P", "the tool, by default the one in use"),
+        ignored("F"),
     )
     def _reach_hotend(self, command: Command, _: Reply) -> Wait | None:
         return self._reach(command, "hotend")
@@ -153,11 +160,13 @@ class SetPoints:
         "M190",
         Subject.HEATERS,
         When.EXCLUSIVE,
-        "S(°C) R(°C) I P",
         "Sets the temperature of the bed, by S, R or a material I of M145, and waits for it. R also"
         " waits while it cools.",
-        bare="F",
-        nan=True,
+        number("S", "the temperature; 0 or nan: off", "°C", nan=True),
+        number("R", "as S, and it also waits while the heater cools", "°C"),
+        integer("I", "a material of M145", 0, 2),
+        integer("P", "the number of the bed"),
+        ignored("F T"),
     )
     def _reach_bed(self, command: Command, _: Reply) -> Wait | None:
         return self._reach(command, "bed")
@@ -166,11 +175,12 @@ class SetPoints:
         "M191",
         Subject.HEATERS,
         When.EXCLUSIVE,
-        "S(°C) R(°C) P",
         "Sets the temperature of the chamber, and waits for it. R also waits while it cools."
         " Without a chamber heater it waits until the sensor with the letter C is so warm.",
-        bare="F",
-        nan=True,
+        number("S", "the temperature; 0 or nan: off", "°C", nan=True),
+        number("R", "as S, and it also waits while the heater cools", "°C"),
+        integer("P", "the number of the chamber"),
+        ignored("F T"),
     )
     def _reach_chamber(self, command: Command, _: Reply) -> Wait | None:
         return self._reach(command, "chamber")
@@ -199,11 +209,11 @@ class SetPoints:
         "M116",
         Subject.HEATERS,
         When.EXCLUSIVE,
-        "T B C",
         "Waits until these heaters have their temperatures: hotends (T or P), bed, chamber. Without"
         " letters it waits for all.",
-        bare="TPBC",
-        repeats="TPBC",
+        integer("T P", "a tool, for its hotend", alone=True, repeats=True),
+        integer("B", "a bed", alone=True, repeats=True),
+        integer("C", "a chamber", alone=True, repeats=True),
     )
     def _reach_all(self, command: Command, _: Reply) -> Wait | None:
         names = [
@@ -219,9 +229,12 @@ class SetPoints:
         "M145",
         Subject.HEATERS,
         When.IMMEDIATE,
-        "S H B F",
         "Sets hotend (H), bed (B) and fan (F) of material S, 0 to 2, for I of M104, M109, M140 and"
         " M190. Without S it reports all materials.",
+        integer("S", "the material", 0, 2),
+        number("H", "the temperature of the hotend", "°C", 0, clamped=True),
+        number("B", "the temperature of the bed", "°C", 0, clamped=True),
+        number("F", "the speed of the fan", low=0, high=255, clamped=True),
     )
     def _preset(self, command: Command, reply: Reply) -> None:
         words = command.words()
@@ -234,14 +247,12 @@ class SetPoints:
     def _await(self, command: Command, _: Reply) -> Wait | None:
         """Waits for the limits of a sensor, or for a heater to cool down to its maximum. Else waits
         for the target of a heater, if it is within the limits: no other temperature lasts."""
-        words = command.pairs()
-        low, high = number(words, "MINIMUM", -inf), number(words, "MAXIMUM", inf)
-        shown = found_name(
-            [temperature_object(name) for name in self._machine.sensors], words.get("SENSOR", "")
-        )
+        low, high = command.value("MINIMUM", -inf), command.value("MAXIMUM", inf)
+        sensors = [temperature_object(name) for name in self._machine.sensors]
+        shown = found_name(sensors, command.string("SENSOR"))
         if shown is not None:
             return WaitForReading(shown.partition(" ")[2], low, high)
-        name = heater_named(self._machine, words, "SENSOR")
+        name = heater_named(self._machine, command, "SENSOR")
         target = self.targets_c.get(name, 0.0)
         if low == -inf and target <= high < inf:
             return WaitForReading(name, low, high)
@@ -253,10 +264,9 @@ class SetPoints:
     def _tool_temperatures(self, command: Command, _: Reply) -> None:
         """G10 P: the active (S) and the standby (R) temperature of a tool. The active tool takes S
         at once, any other tool takes R."""
-        words = command.words()
-        tool = int(words.get("P", self._job.tool))
+        tool = command.integer("P", self._job.tool)
         work, standby = self._tool_c.get(tool, (None, None))
-        work, standby = words.get("S", work), words.get("R", standby)
+        work, standby = command.value("S", work), command.value("R", standby)
         self._tool_c[tool] = (work, standby)
         at_once = work if tool == self._job.tool or standby is None else standby
         self._heat_tool(tool, at_once)

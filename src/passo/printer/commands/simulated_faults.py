@@ -9,6 +9,7 @@ from passo.board.fault_injection import NO_FAULT, FaultInjector, FaultOrder
 from passo.config.part_names import found_name
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import text
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.motion.rig import Rig
 from passo.printer.state import State
@@ -86,9 +87,12 @@ class SimulatedFaultCommands:
         "SIMULATE_FAULT",
         Subject.SIMULATION,
         When.IMMEDIATE,
-        "NAME VALUE AFTER(s) DURATION(s)",
         "Gives a part of the simulated printer a fault, or ends it. Without parameters it lists"
         " all.",
+        text("NAME", "the part"),
+        text("VALUE", "the fault; none ends it"),
+        text("AFTER", "the seconds before it begins"),
+        text("DURATION", "the seconds after which it ends"),
         kind=Kind.SERVED,
     )
     def _simulate(self, command: Command, reply: Reply) -> Wait | None:
@@ -103,14 +107,14 @@ class SimulatedFaultCommands:
                 raise CommandError.of(
                     "command.fault-order", value=word, limit="NAME= VALUE= AFTER= DURATION="
                 )
-        after_s, for_s = (_number(pairs, word) for word in ("AFTER", "DURATION"))
+        after_s, for_s = (_seconds(pairs, word) for word in ("AFTER", "DURATION"))
         name, value = pairs.get("NAME", ""), pairs.get("VALUE", "").lower()
         part = found_name(injector.values, name) or name
         self.order(FaultOrder(part, value, after_s or 0.0, for_s))
         return None
 
 
-def _number(pairs: dict[str, str], word: str) -> float | None:
+def _seconds(pairs: dict[str, str], word: str) -> float | None:
     """The parameter in seconds. Raises CommandError."""
     if word not in pairs:
         return None

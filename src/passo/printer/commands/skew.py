@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 from passo.config.home_checks import check_skew
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import flag, number, text
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.geometry.skewable import MAX_SKEW, SkewableModel
 from passo.levelling.mesh_files import check_name
 from passo.levelling.skew import skew_degrees, skew_factor
-from passo.printer.commands.klipper_commands import number
 from passo.printer.wait_requests import Reply, Wait, WaitForMoves
 
 if TYPE_CHECKING:
@@ -21,6 +21,15 @@ if TYPE_CHECKING:
 NO_SKEW = "This machine has arms: skew is of axes with motors or crossed belts."
 _PLANES = ("XY", "XZ", "YZ")
 _DIGITS = 9  # so that stored and active values are equal
+
+
+def _check_lengths(command: Command, _: object) -> None:
+    """SET_SKEW. Raises CommandError for what no square has, and if nothing is given."""
+    for name, given in command.pairs().items():
+        if name in _PLANES:
+            skew_factor(*_lengths(name, given))
+    if not command.has("CLEAR", *_PLANES):
+        raise CommandError.of("input.missing-word", axis=command.code, value="XY=")
 
 
 class SkewCommands:
@@ -61,9 +70,11 @@ class SkewCommands:
         "M852",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "I J K S",
         "Sets the skew of the planes XY (I, or S), XZ (J) and YZ (K): the tangent of what the angle"
         " between the axes differs from a right one. Without parameters it reports them.",
+        number("I S", "the skew of XY", low=-MAX_SKEW, high=MAX_SKEW),
+        number("J", "the skew of XZ", low=-MAX_SKEW, high=MAX_SKEW),
+        number("K", "the skew of YZ", low=-MAX_SKEW, high=MAX_SKEW),
         kind=Kind.SERVED,
         lacks=NO_SKEW,
     )
@@ -80,21 +91,21 @@ class SkewCommands:
         "SET_SKEW",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "XY XZ YZ (AC,BD,AD in mm) CLEAR",
         "Sets the skew of planes by the lengths that were measured of a printed square: both"
         " diagonals, then the side AD. CLEAR=1 sets all of it to 0.",
+        text("XY XZ YZ", "AC,BD,AD: both diagonals and the side, in mm"),
+        flag("CLEAR", "sets all of it to 0"),
         kind=Kind.SERVED,
-        bare=None,
+        valid=_check_lengths,
         lacks=NO_SKEW,
     )
     def _set_by_lengths(self, command: Command, _: Reply) -> Wait | None:
-        pairs = command.pairs()
         factors: dict[int, float] = {}
-        if number(pairs, "CLEAR", 0.0):
+        if command.flag("CLEAR"):
             factors = dict.fromkeys(range(3), 0.0)
         for plane, name in enumerate(_PLANES):
-            if name in pairs:
-                ac, bd, ad = _lengths(name, pairs[name])
+            if command.has(name):
+                ac, bd, ad = _lengths(name, command.string(name))
                 factors[plane] = skew_factor(ac, bd, ad)
         if not factors:
             raise CommandError.of("input.missing-word", axis="the command", value="XY=")
@@ -104,10 +115,8 @@ class SkewCommands:
         "GET_CURRENT_SKEW",
         Subject.LEVELLING,
         When.PLANNED,
-        "",
         "Reports the skew of all planes.",
         kind=Kind.QUIET,
-        bare=None,
         lacks=NO_SKEW,
     )
     def _report(self, _: Command, reply: Reply) -> Wait | None:
@@ -120,15 +129,14 @@ class SkewCommands:
         "CALC_MEASURED_SKEW",
         Subject.LEVELLING,
         When.PLANNED,
-        "AC BD AD (mm)",
         "Calculates the skew of a printed square, and changes nothing.",
+        number("AC BD", "a diagonal", "mm", 0, above=True),
+        number("AD", "the side", "mm", 0, above=True),
         kind=Kind.QUIET,
-        bare=None,
         lacks=NO_SKEW,
     )
     def _calculate(self, command: Command, reply: Reply) -> Wait | None:
-        pairs = command.pairs()
-        factor = skew_factor(*(number(pairs, key) for key in ("AC", "BD", "AD")))
+        factor = skew_factor(*(command.value(key) for key in ("AC", "BD", "AD")))
         reply.say(f"// Calculated Skew: {factor:.6f}, {skew_degrees(factor):.2f} degrees")
         return None
 
@@ -136,11 +144,15 @@ class SkewCommands:
         "SKEW_PROFILE",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "LOAD SAVE REMOVE, SET XY XZ YZ, CLEAR",
         "Saves the skew in force under a name, loads it, or removes it; M500 stores all profiles."
         " SET gives a name these factors, CLEAR=1 removes all. Without parameters it lists them.",
+        text("LOAD", "the name of a profile to use"),
+        text("SAVE", "the name under which the skew is stored"),
+        text("REMOVE", "the name of a profile to delete"),
+        text("SET", "the name of a profile whose factors follow"),
+        number("XY XZ YZ", "a factor of SET", low=-MAX_SKEW, high=MAX_SKEW),
+        flag("CLEAR", "deletes all profiles"),
         kind=Kind.SERVED,
-        bare=None,
         lacks=NO_SKEW,
     )
     def _profile(self, command: Command, reply: Reply) -> Wait | None:
@@ -150,10 +162,10 @@ class SkewCommands:
                 planes = zip(_PLANES, factors, strict=True)
                 shown = " ".join(f"{plane}={factor:.6f}" for plane, factor in planes)
                 reply.say(f"// {name}: {shown}")
-        if number(pairs, "CLEAR", 0.0):
+        if command.value("CLEAR", 0.0):
             self.profiles = {}
         if "SET" in pairs:
-            factors = tuple(_rounded(number(pairs, plane)) for plane in _PLANES)
+            factors = tuple(_rounded(command.value(plane)) for plane in _PLANES)
             self.profiles[check_name(pairs["SET"])] = factors
         if "SAVE" in pairs:
             name = check_name(pairs["SAVE"])

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import TOOL, flag, ignored, number
 from passo.gcode.registry import Subject, When, command, in_program
 from passo.printer.commands.ranges import beyond
 
@@ -31,10 +32,11 @@ class SpeedAndFlow:
         "M220",
         Subject.SPEED,
         When.IMMEDIATE,
-        "S(%) B R",
         "Scales the speed. During a print the factor also changes queued moves. B keeps the present"
         " factor, R restores it.",
-        bare="BRS",
+        number("S", "the factor", "%", *_SPEED, clamped=True, alone=True),
+        flag("B", "keeps the present factor"),
+        flag("R", "restores the factor that was kept"),
         while_halted=False,
     )
     def _speed_at_once(self, command: Command, reply: Reply) -> None:
@@ -45,15 +47,14 @@ class SpeedAndFlow:
         self._set_speed(command, reply, live=False)
 
     def _set_speed(self, command: Command, reply: Reply, *, live: bool) -> None:
-        words, letters = command.words(), command.letters()
-        factor, note = self.kept if "R" in letters else None, ""
-        if "S" in words:
-            percent, (low, high) = words["S"], _SPEED
+        factor, note = self.kept if command.has("R") else None, ""
+        if (percent := command.value("S", None)) is not None:
+            low, high = _SPEED
             if percent <= 0:
                 raise CommandError.bad_value("S", percent, f"{low:g} to {high:g} percent")
             factor = min(max(percent, low), high) / 100
             note = beyond("M220", percent, _SPEED, "%")
-        if "B" in letters:
+        if command.has("B"):
             self.kept = self._job.limits.speed_factor
         if factor is not None:
             self._job.limits.set_speed_factor(factor, live)
@@ -68,9 +69,10 @@ class SpeedAndFlow:
         "M221",
         Subject.FILAMENT,
         When.IMMEDIATE,
-        "T S(%)",
         "Scales the extrusion of a tool. During a print the factor also changes queued moves.",
-        bare="SRXYZ",
+        TOOL,
+        number("S", "the factor", "%", *_FLOW, clamped=True, alone=True),
+        ignored("R X Y Z"),
         only_during_print=True,
         while_halted=False,
     )
@@ -82,19 +84,18 @@ class SpeedAndFlow:
         self._set_flow(command, reply, live=False)
 
     def _set_flow(self, command: Command, reply: Reply, *, live: bool) -> None:
-        words = command.words()
         tools = self._machine.all_tools
-        tool = words.get("T", self._job.tool)
-        own = tools[int(tool)].extruder if tool in range(len(tools)) else None
-        if own is None and "T" not in words:
+        tool = command.integer("T", self._job.tool)
+        own = tools[tool].extruder if tool in range(len(tools)) else None
+        if own is None and not command.has("T"):
             return  # the active tool has no extruder
         if own is None:
             raise CommandError.bad_value("T", tool, "a tool with an extruder")
         extruder = list(self._machine.extruders).index(own)
-        if "S" not in words:
-            reply.say(f"echo:E{int(tool)} Flow: {self._job.filament.flows[extruder] * 100:g}%")
+        percent, (low, high) = command.value("S", None), _FLOW
+        if percent is None:
+            reply.say(f"echo:E{tool} Flow: {self._job.filament.flows[extruder] * 100:g}%")
             return
-        percent, (low, high) = words["S"], _FLOW
         if percent <= 0:
             raise CommandError.bad_value("S", percent, f"{low:g} to {high:g} percent")
         if note := beyond("M221", percent, _FLOW, "%"):

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from passo.config.part_names import found_name
 from passo.gcode.registry import in_program
-from passo.printer.commands.klipper_commands import number
 from passo.printer.skipped_commands import SkippedCommand
 from passo.printer.stand_ins import FILAMENT_SENSORS
 from passo.printer.status import FilamentSensorStatus
@@ -41,13 +40,12 @@ class StandInCommands:
 
     @in_program("SET_FILAMENT_SENSOR")
     def _filament(self, command: Command, _: Reply) -> None:
-        words = command.pairs()
-        on = number(words, "ENABLE", 1.0) != 0
-        own = found_name(self._sensors, words.get("SENSOR", ""))
+        on, wanted = command.value("ENABLE") != 0, command.string("SENSOR")
+        own = found_name(self._sensors, wanted)
         if own is not None:
             self._enabled[own] = on
             return
-        self._set(command, FILAMENT_SENSORS, words.get("SENSOR", ""), "enabled", on)
+        self._set(command, FILAMENT_SENSORS, wanted, "enabled", on)
 
     def _set(
         self, command: Command, kinds: tuple[str, ...], name: str, key: str, value: float | bool

@@ -2,34 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from passo.config.motor_roles import axis_order
 from passo.config.types import MAX_SCALE, MIN_SCALE
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
-from passo.gcode.registry import AXES, Bounds, Kind, Subject, When, command, in_program
+from passo.gcode.parameters import TOOL, axes, ignored, integer, number
+from passo.gcode.registry import Kind, Subject, When, command, in_program
 from passo.geometry.base import Unreachable
 from passo.motion.axis_slots import Z
 from passo.motion.homing import Homer
 from passo.motion.offsets import Offsets
 from passo.printer.commands.extruder_words import extruder_of, with_extruders
 from passo.printer.commands.klipper_commands import offset_steps
-from passo.printer.commands.program_flow import babysteps, require_babystep
+from passo.printer.commands.program_flow import MAX_BABYSTEP_MM, babysteps, require_babystep
 from passo.printer.live_rig import LiveRig
 from passo.printer.wait_requests import Reply, Wait, WaitForMoves
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
-
-
-_SCALES = Bounds(  # M92; H and L are not steps per mm
-    AXES.replace("H", ""),
-    MIN_SCALE,
-    MAX_SCALE,
-    f"{MIN_SCALE:g} to {MAX_SCALE:,.0f} microsteps per mm or degree",
-)
 
 
 class MotionCommands:
@@ -60,11 +53,13 @@ class MotionCommands:
         "M92",
         Subject.MOTORS,
         When.EXCLUSIVE,
-        "X Y Z E T, H(microsteps) L(mm)",
         "Sets the steps per millimetre or degree. H and L report which layer heights are whole"
         " steps of Z's motor.",
+        axes("X Y Z E", "the scale", "microsteps per mm or degree", MIN_SCALE, MAX_SCALE, but="H"),
+        TOOL,
+        number("H", "microsteps, for the layers", low=1, high=256),
+        number("L", "a layer height, to find whole steps near it", "mm"),
         kind=Kind.SERVED,
-        bounds=(_SCALES,),
     )
     def _scales(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
@@ -95,8 +90,6 @@ class MotionCommands:
             raise CommandError.of("command.value", axis="M92", value="H, L", limit="a motor of Z")
         row = self._rig.job.motors.statistics()[places[0]]
         microsteps = words.get("H", self._machine.steppers[row["name"]].microsteps)
-        if not 1 <= microsteps <= 256:
-            raise CommandError.bad_value("H", microsteps, "1 to 256 microsteps")
         step_mm = microsteps / row["steps_per_unit"]
         wanted_mm = max(words.get("L", 0.0), 0.0)
         below = int(wanted_mm / step_mm + 1e-9)
@@ -139,9 +132,11 @@ class MotionCommands:
         "M200",
         Subject.FILAMENT,
         When.PLANNED,
-        "D(mm) T S",
         "Makes E a volume of filament of this diameter, in mm³. D0 or S0 makes E a length again."
         " Without parameters it reports the diameters.",
+        number("D", "the diameter; 0: E is a length", "mm", 0),
+        TOOL,
+        number("S", "0: E is a length, 1: a volume"),
         kind=Kind.MOTION,
     )
     def _filament_diameters(self, _: Command, reply: Reply) -> None:
@@ -152,8 +147,8 @@ class MotionCommands:
         "M209",
         Subject.FILAMENT,
         When.PLANNED,
-        "S",
         "S1: G1 moves of E alone, of 0.1 to 10 mm, retract and unretract as G10 and G11.",
+        integer("S", "1: on, 0: off", 0, 1),
         kind=Kind.MOTION,
     )
     def _automatic_retraction(self, _: Command, reply: Reply) -> None:
@@ -163,8 +158,10 @@ class MotionCommands:
         "M603",
         Subject.FILAMENT,
         When.PLANNED,
-        "T L(mm) U(mm)",
         "Sets the lengths of filament that M701 loads and M702 unloads.",
+        TOOL,
+        number("L", "the length of M701", "mm", 0),
+        number("U", "the length of M702", "mm", 0),
         kind=Kind.MOTION,
     )
     def _change_lengths(self, _: Command, reply: Reply) -> None:
@@ -206,9 +203,11 @@ class MotionCommands:
         "M206",
         Subject.POSITIONS,
         When.PLANNED,
-        "X Y Z (mm)",
         "Sets offsets that are added to the home positions of axes.",
+        number("X Y Z", "the offset", "mm"),
+        ignored("T P"),
         kind=Kind.SERVED,
+        valid=lambda command, machine: _check_offsets(machine, command.words()),
     )
     def _home_offsets(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
@@ -220,13 +219,7 @@ class MotionCommands:
     def home_offsets(self, words: dict[str, float]) -> dict[str, float]:
         """The offsets in the words of M206, mm by axis. Raises CommandError."""
         offsets = {a: words[a.upper()] for a in self.offsets.home_mm if a.upper() in words}
-        for name, mm in offsets.items():
-            axis = self._machine.axes[name]
-            longest = axis.max_mm - axis.min_mm
-            if abs(mm) > longest:
-                raise CommandError.bad_value(
-                    name.upper(), mm, f"at most the {longest:g} mm of the axis"
-                )
+        _check_offsets(self._machine, offsets)
         machine, at_home = self._machine, self.offsets.home_mm | offsets
         x, y, z = (mm + at_home[a] for a, mm in zip("xyz", machine.home_point, strict=True))
         try:
@@ -247,8 +240,8 @@ class MotionCommands:
         "G60",
         Subject.MOVES,
         When.PLANNED,
-        "S(0-1)",
         "Saves the position in memory S, and reports it.",
+        integer("S", "the memory", 0, 1, default=0),
         kind=Kind.MOTION,
     )
     def _saved(self, command: Command, reply: Reply) -> Wait | None:
@@ -263,8 +256,9 @@ class MotionCommands:
         "M218",
         Subject.FILAMENT,
         When.PLANNED,
-        "T X Y Z (mm)",
         "Sets the offset of a tool. For the tool in use, the next move of an axis carries it out.",
+        integer("T H", "the tool, by default the one in use", 0),
+        number("X Y Z", "the offset", "mm"),
         kind=Kind.SERVED,
     )
     def _tool_offset(self, command: Command, reply: Reply) -> Wait | None:
@@ -294,9 +288,10 @@ class MotionCommands:
         "M290",
         Subject.POSITIONS,
         When.IMMEDIATE,
-        "X Y Z (mm)",
         "Babysteps: shifts all moves that are not done yet, at once.",
-        bare="R",
+        number("X Y Z", "the step", "mm", -MAX_BABYSTEP_MM, MAX_BABYSTEP_MM),
+        number("S", "as Z", "mm", -MAX_BABYSTEP_MM, MAX_BABYSTEP_MM),
+        ignored("R P"),
         while_halted=False,
     )
     def _babystep(self, command: Command, _: Reply) -> Wait | None:
@@ -322,11 +317,12 @@ class MotionCommands:
         "SET_GCODE_OFFSET",
         Subject.POSITIONS,
         When.IMMEDIATE,
-        "X Y Z X_ADJUST Y_ADJUST Z_ADJUST (mm)",
         "Shifts all moves that are not done yet, as M290: X, Y and Z to this offset, the others by"
         " so much. The offset stays when the axis homes, and can be set before. MOVE has no"
         " meaning: the shift is a motion of its own.",
-        bare=None,
+        number("X Y Z", "the offset", "mm"),
+        number("X_ADJUST Y_ADJUST Z_ADJUST", "a change of the offset", "mm"),
+        ignored("MOVE MOVE_SPEED"),
         while_halted=False,
     )
     def _offset(self, command: Command, _: Reply) -> Wait | None:
@@ -352,11 +348,9 @@ class MotionCommands:
         "Z_OFFSET_APPLY_ENDSTOP",
         Subject.POSITIONS,
         When.EXCLUSIVE,
-        "",
         "Makes the babysteps of Z (M290, SET_GCODE_OFFSET) part of its home offset (M206), as Z"
         " counts from the endstop. No motor moves. M500 stores it.",
         kind=Kind.SERVED,
-        bare=None,
     )
     def _apply_to_endstop(self, command: Command, reply: Reply) -> Wait | None:
         homing = self._machine.homing.get("z")
@@ -379,6 +373,15 @@ class MotionCommands:
         self._homer.offset_mm["z"] = after
         job.modes.keep_offset(Z, self.offsets.absorbed("z"))
         reply.say(f"// M206 Z: {before:.3f} -> {after:.3f}. M500 or SAVE_CONFIG stores it")
+
+
+def _check_offsets(machine: MachineConfig, offsets_mm: Mapping[str, float]) -> None:
+    """Raises CommandError for an offset that is longer than its axis."""
+    for letter, mm in offsets_mm.items():
+        axis = machine.axes.get(letter.lower())
+        if axis is not None and abs(mm) > (longest := axis.max_mm - axis.min_mm):
+            limit = f"at most the {longest:g} mm of the axis"
+            raise CommandError.bad_value(letter.upper(), mm, limit)
 
 
 def _report(reply: Reply, lines: Iterable[str]) -> None:

@@ -8,12 +8,19 @@ from math import inf
 from passo.board.faults import HeaterFault
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import TOOL, flag, number, text
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.printer.cold_extrusion import ColdExtrusion
 from passo.printer.commands.heater_control import ControlCommands
-from passo.printer.commands.klipper_commands import heater_named, number
+from passo.printer.commands.klipper_commands import heater_named
 from passo.printer.live_rig import LiveRig
 from passo.printer.wait_requests import Reply, Wait, WaitForTuning
+
+
+def _check_unit(command: Command, _: object) -> None:
+    """M149. Raises CommandError for another unit than °C."""
+    if command.has("K", "F"):
+        raise CommandError.of("command.value", axis="M149", value=command.text, limit="C")
 
 
 class HeatCommands:
@@ -29,24 +36,24 @@ class HeatCommands:
         "M149",
         Subject.HEATERS,
         When.IMMEDIATE,
-        "C",
         "Sets the unit of temperatures; only °C (C) is supported.",
+        flag("C", "°C"),
+        flag("K F", "another unit: refused"),
         kind=Kind.QUIET,
-        bare="CKF",
+        valid=_check_unit,
     )
-    def _unit(self, command: Command, _: Reply) -> Wait | None:
-        if command.text.strip().upper() not in ("", "C"):
-            raise CommandError.of("command.value", axis="M149", value=command.text, limit="C")
+    def _unit(self, _: Command, __: Reply) -> Wait | None:
         return None
 
     @command(
         "M302",
         Subject.FILAMENT,
         When.IMMEDIATE,
-        "S(°C) P T",
         "Allows cold extrusion (S, or P of tool T alone). Without parameters it reports it.",
+        number("S", "the lowest temperature at which filament moves; 0: any", "°C", alone=True),
+        number("P", "1: any temperature, 0: that of S"),
+        TOOL,
         kind=Kind.QUIET,
-        bare="S",
     )
     def _cold_extrusion(self, command: Command, reply: Reply) -> Wait | None:
         if answer := self.cold.set(command.words()):
@@ -72,15 +79,15 @@ class HeatCommands:
         "TEMPERATURE_WAIT",
         Subject.HEATERS,
         When.EXCLUSIVE,
-        "SENSOR MINIMUM(°C) MAXIMUM(°C)",
         "Waits until the temperature of a heater is within these limits.",
-        bare=None,
+        text("SENSOR", "the name of the heater"),
+        number("MINIMUM", "the lowest temperature", "°C"),
+        number("MAXIMUM", "the highest temperature", "°C"),
     )
     def _await(self, command: Command, _: Reply) -> Wait | None:
-        words = command.pairs()
-        name = heater_named(self._rig.machine, words, "SENSOR")
+        name = heater_named(self._rig.machine, command, "SENSOR")
         heater = self._rig.connection.heaters[name]
-        low, high = number(words, "MINIMUM", -inf), number(words, "MAXIMUM", inf)
+        low, high = command.value("MINIMUM", -inf), command.value("MAXIMUM", inf)
 
         def finish() -> None:
             if heater.fault is not None:
@@ -96,7 +103,6 @@ class HeatCommands:
         "M922",
         Subject.HEATERS,
         When.IMMEDIATE,
-        "",
         "Rearms heaters that a fault has switched off.",
         kind=Kind.SERVED,
         while_halted=False,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from passo.board.reading import ABSOLUTE_ZERO_C
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import flag, ignored
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.printer.wait_requests import Reply, Wait
 
@@ -78,11 +79,11 @@ class TemperatureReport:
         "M105",
         Subject.HEATERS,
         When.IMMEDIATE,
-        "X",
         "Reports the temperatures. With X also the raw readings of the sensors, as fractions of the"
         " ADC's full scale: T0A, BA, CA.",
+        flag("X", "also the raw readings"),
+        ignored("R T P S"),
         kind=Kind.QUIET,
-        bare="RX",
     )
     def _temperatures(self, command: Command, reply: Reply) -> Wait | None:
         raw = any(word.startswith("X") for word in command.text.upper().split())

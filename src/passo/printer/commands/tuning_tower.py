@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from math import floor, inf, isfinite
+from math import floor, inf
 from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
+from passo.gcode.parameters import ignored, number, text
 from passo.gcode.registry import Subject, When, command
 
 if TYPE_CHECKING:
@@ -80,18 +81,25 @@ class TuningTower:
         "TUNING_TOWER",
         Subject.SPEED,
         When.PLANNED,
-        "COMMAND PARAMETER START FACTOR BAND STEP_DELTA STEP_HEIGHT SKIP",
         "Sets a value by the height of the print: COMMAND with PARAMETER and START + FACTOR * Z,"
         " in bands of BAND mm, or START + STEP_DELTA for each STEP_HEIGHT mm, from SKIP mm on. It"
         " ends without parameters, and where the print begins again lower down.",
-        bare=None,
+        text("COMMAND", "the command that sets the value"),
+        text("PARAMETER", "its letter or key"),
+        number("START", "the value at the bottom", default=0),
+        number("FACTOR", "the change of the value", "per mm", default=0),
+        number("BAND", "the height of a band", "mm", 0, default=0),
+        number("STEP_DELTA", "the change with each step", default=0),
+        number("STEP_HEIGHT", "the height of a step", "mm", 0, default=0),
+        number("SKIP", "the height at which it begins", "mm", 0, default=0),
+        ignored("Z"),
     )
     def _start(self, command: Command, reply: Reply) -> None:
         pairs = command.pairs()
-        if "Z" in pairs and len(pairs) == 1:
-            self._reach(command.line, float(pairs["Z"]), reply)
+        if pairs.keys() == {"Z"}:
+            self._reach(command.line, command.value("Z"), reply)
             return
-        self._tower = tower_of(pairs) if pairs else None
+        self._tower = tower_of(command) if pairs else None
         self._last_mm = -inf
         if self._tower is None:
             self._job.program.watch_height(-inf, inf)
@@ -99,7 +107,7 @@ class TuningTower:
             return
         self._job.program.watch_height(inf, inf)
         given = ("START", "FACTOR", "BAND", "STEP_DELTA", "STEP_HEIGHT", "SKIP")
-        values = [f"{key.lower()}={float(pairs[key]):.6f}" for key in given if key in pairs]
+        values = [f"{key.lower()}={command.value(key):.6f}" for key in given if key in pairs]
         reply.say(f"Starting tuning test ({' '.join(values)})")
 
     def _reach(self, line: int, z_mm: float, reply: Reply) -> None:
@@ -115,33 +123,14 @@ class TuningTower:
         self._job.program.watch_height(z_mm - _SAME_MM, self._tower.up_to(z_mm))
 
 
-def tower_of(pairs: dict[str, str]) -> Tower:
-    """The tower that these parameters describe. Raises CommandError."""
+def tower_of(command: Command) -> Tower:
+    """The tower that the parameters describe. Raises CommandError."""
     for key in ("COMMAND", "PARAMETER"):
-        if not pairs.get(key):
+        if not command.string(key):
             raise CommandError.of("command.value", axis=key, value="missing", limit="a text")
-
-    def number(key: str, least: float = -inf) -> float:
-        try:
-            value = float(pairs.get(key, "0"))
-        except ValueError:
-            value = inf
-        if not isfinite(value) or value < least:
-            limit = "a number" if least == -inf else "0 mm or more"
-            shown = pairs[key][:30]
-            raise CommandError.of("command.value", axis=key, value=shown, limit=limit)
-        return value
-
-    tower = Tower(
-        pairs["COMMAND"],
-        pairs["PARAMETER"],
-        number("START"),
-        number("FACTOR"),
-        number("BAND", 0),
-        number("STEP_DELTA"),
-        number("STEP_HEIGHT", 0),
-        number("SKIP", 0),
-    )
+    keys = "START", "FACTOR", "BAND", "STEP_DELTA", "STEP_HEIGHT", "SKIP"
+    numbers = (command.value(key) for key in keys)
+    tower = Tower(command.string("COMMAND"), command.string("PARAMETER"), *numbers)
     by_steps, by_factor = tower.step != 0 and tower.step_mm != 0, tower.factor != 0
     if by_steps == by_factor:
         limit = "FACTOR, or both STEP_DELTA and STEP_HEIGHT, not 0"

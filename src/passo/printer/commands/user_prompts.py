@@ -7,7 +7,8 @@ from collections.abc import Callable, Generator
 from contextlib import contextmanager
 
 from passo.gcode.command import Command, numeral, words_of
-from passo.gcode.registry import NOT_NEGATIVE_S, Kind, Subject, When, command
+from passo.gcode.parameters import number, rest
+from passo.gcode.registry import Kind, Subject, When, command
 from passo.printer.commands.beeper import Beeper
 from passo.printer.state import State
 from passo.printer.wait_requests import Reply, Wait, WaitForUser
@@ -34,19 +35,21 @@ class UserPrompts:
         "M0",
         Subject.STOPS,
         When.EXCLUSIVE,
-        "S(s) P(ms) text",
         "Waits for the user, M108 or the time.",
+        number("S", "the longest wait", "s"),
+        number("P", "the longest wait", "ms"),
+        rest("text", "what the user sees"),
         kind=Kind.USER,
-        bare=None,
     )
     @command(
         "M1",
         Subject.STOPS,
         When.EXCLUSIVE,
-        "S(s) P(ms) text",
         "Waits for the user, M108 or the time.",
+        number("S", "the longest wait", "s"),
+        number("P", "the longest wait", "ms"),
+        rest("text", "what the user sees"),
         kind=Kind.USER,
-        bare=None,
     )
     def _wait(self, command: Command, _: Reply) -> Wait | None:
         found = _WORDS.match(command.text)
@@ -92,10 +95,9 @@ class UserPrompts:
         "M117",
         Subject.CONSOLES,
         When.IMMEDIATE,
-        "text",
         "Sends a message to displays and hosts.",
+        rest("text", "the message"),
         kind=Kind.QUIET,
-        bare=None,
     )
     def _show(self, command: Command, _: Reply) -> Wait | None:
         self.message = command.text
@@ -106,15 +108,13 @@ class UserPrompts:
         "M85",
         Subject.MOTORS,
         When.IMMEDIATE,
-        "S(s)",
         "Switches everything off after this idle time; 0: never.",
+        number("S", "the idle time; 0: never", "s", 0),
         kind=Kind.SERVED,
-        bounds=NOT_NEGATIVE_S,
     )
     def _kill_after(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.words()
-        if "S" in words:  # 0 means never
-            self.kill_s = words["S"]
+        if command.has("S"):
+            self.kill_s = command.value("S")  # 0 means never
         else:
             reply.say(self.kill_line())
         return None

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 from passo.config.klipper_names import stepper_object
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.parameters import ignored, number
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.levelling.z_motors import check_progress, gantry_adjustments, lifts, tilt_adjustments
 from passo.motion.axis_slots import Z
 from passo.motion.lone_motors import LoneMotors
 from passo.motion.probing import Place, Prober
-from passo.printer.commands.klipper_commands import number
 from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
 
 if TYPE_CHECKING:
@@ -90,50 +90,42 @@ class ZMotorCommands:
         "G34",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "I(1-30) T(0.01-1 mm)",
         "Measures the tilt of the gantry, and levels it by the motors of Z, at most I times, until"
         " the tilt is at most T. If each motor has an endstop, G28 keeps it level from then on.",
+        number("I", "how often at most", low=1, high=30),
+        number("T", "the tilt that is small enough", "mm", 0.001, 1),
+        ignored("S Z A"),
         kind=Kind.PROBED,
         lacks=NO_MOTORS,
     )
     def _align(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.words()
-        retries = words.get("I", float(self._config.retries))
-        tolerance = words.get("T", self._config.tolerance_mm)
-        if not 1 <= retries <= 30:
-            raise CommandError.bad_value("I", retries, "1 to 30")
-        if not 0.001 <= tolerance <= 1:
-            raise CommandError.bad_value("T", tolerance, "0.001 to 1 mm")
+        retries = command.value("I", self._config.retries)
+        tolerance = command.value("T", self._config.tolerance_mm)
         return WaitForProcedure(partial(self._level, int(retries), tolerance, reply))
 
     @command(
         "Z_TILT_ADJUST",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "RETRIES(0-30) RETRY_TOLERANCE(0.001-1 mm)",
         "Levels the gantry as G34.",
+        number("RETRIES", "how often at most, after the first time", low=0, high=30),
+        number("RETRY_TOLERANCE", "the tilt that is small enough", "mm", 0.001, 1),
         kind=Kind.PROBED,
-        bare=None,
         lacks=NO_MOTORS,
     )
     @command(
         "QUAD_GANTRY_LEVEL",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "RETRIES(0-30) RETRY_TOLERANCE(0.001-1 mm)",
         "Levels the gantry as G34.",
+        number("RETRIES", "how often at most, after the first time", low=0, high=30),
+        number("RETRY_TOLERANCE", "the tilt that is small enough", "mm", 0.001, 1),
         kind=Kind.PROBED,
-        bare=None,
         lacks=NO_MOTORS,
     )
     def _adjust(self, command: Command, reply: Reply) -> Wait | None:
-        pairs = command.pairs()
-        retries = number(pairs, "RETRIES", float(self._config.retries))
-        tolerance = number(pairs, "RETRY_TOLERANCE", self._config.tolerance_mm)
-        if not 0 <= retries <= 30:
-            raise CommandError.bad_value("RETRIES", retries, "0 to 30")
-        if not 0.001 <= tolerance <= 1:
-            raise CommandError.bad_value("RETRY_TOLERANCE", tolerance, "0.001 to 1 mm")
+        retries = command.value("RETRIES", self._config.retries)
+        tolerance = command.value("RETRY_TOLERANCE", self._config.tolerance_mm)
         return WaitForProcedure(partial(self._level, int(retries), tolerance, reply))
 
     async def _level(self, retries: int, tolerance_mm: float, reply: Reply) -> None:

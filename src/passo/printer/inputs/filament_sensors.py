@@ -10,8 +10,8 @@ from passo.config.inputs import sensor_input
 from passo.config.part_names import found_name
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
+from passo.gcode.parameters import flag, ignored, integer, number, refused, text
 from passo.gcode.registry import Kind, Subject, When, command
-from passo.printer.commands.klipper_commands import number
 from passo.printer.stand_ins import FILAMENT_SENSORS
 from passo.printer.status import FilamentSensorStatus
 from passo.printer.wait_requests import Reply
@@ -155,17 +155,16 @@ class FilamentSensors:
         "SET_FILAMENT_SENSOR",
         Subject.FILAMENT,
         When.IMMEDIATE,
-        "SENSOR ENABLE",
         "Switches a filament sensor on (ENABLE=1) or off (ENABLE=0).",
+        text("SENSOR", "the name of the sensor"),
+        number("ENABLE", "1: on, 0: off", default=1),
         kind=Kind.QUIET,
-        bare=None,
         lacks=_LACKS,
         in_turn=True,
     )
     def _set(self, command: Command, _: Reply) -> None:
-        words = command.pairs()
-        on = number(words, "ENABLE", 1.0) != 0
-        stand_in = self._rig.macros.stand_ins.named(FILAMENT_SENSORS, words.get("SENSOR", ""))
+        on = command.value("ENABLE") != 0
+        stand_in = self._rig.macros.stand_ins.named(FILAMENT_SENSORS, command.string("SENSOR"))
         if stand_in is not None:
             stand_in["enabled"] = on  # of a section that the machine file keeps for macros
         else:
@@ -175,10 +174,9 @@ class FilamentSensors:
         "QUERY_FILAMENT_SENSOR",
         Subject.FILAMENT,
         When.IMMEDIATE,
-        "SENSOR",
         "Reports whether a filament sensor detects filament.",
+        text("SENSOR", "the name of the sensor"),
         kind=Kind.QUIET,
-        bare=None,
         lacks=_LACKS,
     )
     def _query(self, command: Command, reply: Reply) -> None:
@@ -187,7 +185,7 @@ class FilamentSensors:
         reply.say(f"// Filament Sensor {sensor.name}: {found}")
 
     def _named(self, command: Command) -> Sensor:
-        wanted = command.pairs().get("SENSOR", "")
+        wanted = command.string("SENSOR")
         name = found_name(self.sensors, wanted)
         if name is None:
             known = ", ".join(self.sensors)
@@ -198,28 +196,25 @@ class FilamentSensors:
         "M412",
         Subject.FILAMENT,
         When.IMMEDIATE,
-        "S D(mm) R H",
         "Switches all filament sensors on (S1) or off (S0). D is the filament that is used before"
         " the print pauses. R lets a sensor without filament act again. Without parameters it"
         " reports the setting. H has no effect, because hosts always receive the pause.",
+        number("S", "1: on, 0: off"),
+        number("D", "the filament that is used before the pause", "mm", 0, _LONGEST_MM),
+        flag("R", "lets a sensor without filament act again"),
+        ignored("H"),
         kind=Kind.QUIET,
-        bare="RH",
         lacks=_LACKS,
         in_turn=True,
     )
     def _runout(self, command: Command, reply: Reply) -> None:
-        words, sensors = command.words(), self.sensors.values()
-        if "S" in words:
-            self._enable(sensors, on=words["S"] != 0)
-        if "D" in words:
-            if not 0 <= words["D"] <= _LONGEST_MM:
-                raise CommandError.bad_value("D", words["D"], f"0 to {_LONGEST_MM:g} mm")
-            for sensor in sensors:
-                sensor.delay_mm = words["D"]
-        if "R" in command.letters():
-            for sensor in sensors:
-                sensor.acts = True
-        if not command.letters():
+        sensors = self.sensors.values()
+        if command.has("S"):
+            self._enable(sensors, on=command.value("S") != 0)
+        for sensor in sensors:
+            sensor.delay_mm = command.value("D", sensor.delay_mm)
+            sensor.acts = sensor.acts or command.flag("R")
+        if not command.values:
             on = "ON" if any(sensor.enabled for sensor in sensors) else "OFF"
             mm = numeral(max((sensor.delay_mm for sensor in sensors), default=0.0))
             reply.say(f"echo:Filament runout {on} ; Distance {mm}mm")
@@ -228,23 +223,23 @@ class FilamentSensors:
         "M591",
         Subject.FILAMENT,
         When.IMMEDIATE,
-        "D(extruder) S",
         "Switches the filament sensors of an extruder on (S1, S2) or off (S0). Without S it reports"
         " them. The machine file has their pins and lengths.",
+        integer("D", "the extruder", 0, default=0),
+        number("S", "1 or 2: on, 0: off"),
+        refused("PCRELA", "filament_sensors"),
         kind=Kind.QUIET,
-        fixed=("PCRELA", "filament_sensors"),
         lacks=_LACKS,
         in_turn=True,
     )
     def _monitor(self, command: Command, reply: Reply) -> None:
-        words = command.words()
-        at = int(words.get("D", 0))
-        if not 0 <= at < max(len(self._extruders), 1):
+        at = command.integer("D")
+        if not at < max(len(self._extruders), 1):
             raise CommandError.bad_value("D", at, f"0 to {len(self._extruders) - 1}")
         name = self._extruders[at] if self._extruders else None
         own = [s for s in self.sensors.values() if s.config.extruder in (None, name)]
-        if "S" in words:
-            self._enable(own, on=words["S"] > 0)
+        if command.has("S"):
+            self._enable(own, on=command.value("S") > 0)
             return
         for sensor in own:
             reply.say(self._described(sensor))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from passo.board.endstops import Endstops
 from passo.gcode.command import Command
+from passo.gcode.parameters import integer
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.motion.endstops import switches
 from passo.printer.wait_requests import Reply, Wait
@@ -105,7 +106,6 @@ class EndstopWatch:
         "M120",
         Subject.MOTORS,
         When.IMMEDIATE,
-        "",
         "Enables the endstops while the machine moves.",
         kind=Kind.SERVED,
     )
@@ -116,7 +116,6 @@ class EndstopWatch:
         "M121",
         Subject.MOTORS,
         When.IMMEDIATE,
-        "",
         "Disables the endstops except for homing.",
         kind=Kind.SERVED,
     )
@@ -131,16 +130,14 @@ class EndstopWatch:
         "M540",
         Subject.MOTORS,
         When.IMMEDIATE,
-        "S",
         "S1: an endstop that is triggered during a move stops the machine. Without S it reports"
         " the setting.",
+        integer("S", "1: on, 0: off", 0, 1, alone=True),
         kind=Kind.SERVED,
-        bare="S",
     )
     def _stop_on_hit(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.words()
-        if "S" in words:
-            self.stops = words["S"] != 0
+        if (stops := command.integer("S", None)) is not None:
+            self.stops = stops != 0
             self._watch(self.stops or self._on)
         else:
             reply.say(self.stop_line())

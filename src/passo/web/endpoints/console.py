@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from math import isfinite
+from typing import TYPE_CHECKING, Annotated
 
 from msgspec import Meta, Struct
 
+from passo.gcode.parameters import shown
 from passo.web.call import Call
 from passo.web.operation import operation
 from passo.web.roles import Role
+
+if TYPE_CHECKING:
+    from passo.gcode.parameters import Parameter as Declared
 
 
 class Script(Struct, forbid_unknown_fields=True):
@@ -32,12 +37,28 @@ class Line(Struct):
     text: str
 
 
+class Parameter(Struct):
+    """One or several parameters of a command: letters or keys. `kind` is number, whole
+    number, flag (which needs no number), text, or rest (the rest of the line is a text). `usage` is
+    the names with unit, range and default. `choices` are the valid texts; empty: each is valid."""
+
+    names: list[str]
+    kind: str
+    usage: str
+    text: str
+    unit: str
+    low: float | None
+    high: float | None
+    default: float | None
+    choices: list[str]
+
+
 class Command(Struct):
-    """A command of the printer: its parameters and its effect."""
+    """A command of the printer: its effect and its parameters."""
 
     code: str
-    parameters: str
     text: str
+    parameters: list[Parameter]
 
 
 @operation(
@@ -69,4 +90,15 @@ async def history(call: Call) -> list[Line]:
 @operation("console.commands", "GET", "/console/commands", Role.VIEWER)
 async def commands(call: Call) -> list[Command]:
     """All commands of the printer."""
-    return [Command(row.code, row.parameters, row.text) for row in call.bridge.commands]
+    return [
+        Command(row.code, row.text, [_parameter(p) for p in shown(row.parameters)])
+        for row in call.bridge.commands
+    ]
+
+
+def _parameter(declared: Declared) -> Parameter:
+    low, high = (limit if isfinite(limit) else None for limit in (declared.low, declared.high))
+    return Parameter(
+        *(list(declared.names), declared.form.value, declared.usage, declared.text),
+        *(declared.unit, low, high, declared.default, list(declared.choices)),
+    )

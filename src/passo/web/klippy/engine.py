@@ -178,7 +178,7 @@ class Engine:
         return {}
 
     async def _help(self, _: Connection, __: Arguments) -> _Result:
-        return {row.code: row.text for row in self._bridge.commands}
+        return {row.code: row.help for row in self._bridge.commands}
 
     async def _subscribe_output(self, client: Connection, arguments: Arguments) -> _Result:
         client.output = arguments.template()

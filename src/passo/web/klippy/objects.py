@@ -60,7 +60,7 @@ class PrinterObjects:
         ready = webhooks(self._bridge.latest().status)["state"] == "ready"
         rows = self._bridge.commands
         macros = self._bridge.machine.macros
-        commands = {row.code: {"help": row.text} for row in rows if ready or row.when in _HALTED}
+        commands = {row.code: {"help": row.help} for row in rows if ready or row.when in _HALTED}
         own = {name.upper(): {"help": macro.description} for name, macro in macros.items()}
         return {"commands": commands | (own if ready else {})}
 
