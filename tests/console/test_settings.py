@@ -485,7 +485,7 @@ def test_babysteps_shift_the_moves_that_follow(s):
     s.host.ok("G1 Z6")
     s.host.ok("M400")
     assert s.positions()["z"] == 6.2
-    assert "at most 2 mm" in s.host.ok("M290 Z3")[0]
+    assert "-2 to 2 mm" in s.host.ok("M290 Z3")[0]
 
 
 def of_both_extruders(s):

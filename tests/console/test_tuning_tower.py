@@ -16,8 +16,9 @@ LAYERS = [0.2 * i for i in range(1, 31)]
 
 
 def tower(text: str):
-    words = Command(1, "", 0, 0, "TUNING_TOWER", text)
-    return tower_of(words.pairs())
+    command = Command(1, "", 0, 0, "TUNING_TOWER", text)
+    command.check()
+    return tower_of(command)
 
 
 def values(text: str, heights: list[float]) -> list[float]:

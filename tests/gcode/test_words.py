@@ -173,7 +173,12 @@ def test_an_exponent_where_e_is_not_a_word_of_the_command():
 )
 def test_table_marks_commands_with_a_word_e(row):
     """Text that is not read as words stays as it is."""
-    words = [name for p in row.parameters if p.form is not Form.IGNORED for name in p.names]
+    words = [
+        name
+        for p in row.parameters
+        if p.form not in (Form.IGNORED, Form.REFUSED)
+        for name in p.names
+    ]
     text = f"{row.code} A1E5"
     plain = without_exponents(text)
     if not row.takes_anything:
