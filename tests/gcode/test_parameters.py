@@ -26,7 +26,7 @@ WRONG = {
     "M569 X1": "steppers is fixed",
     "M852 I5": "I is 5: expected -",
     "FORCE_MOVE STEPPER=stepper_x DISTANCE=5": "FORCE_MOVE needs VELOCITY=",
-    "FORCE_MOVE STEPPER=stepper_q DISTANCE=5 VELOCITY=5": "STEPPER is stepper_q: expected stepper_x",
+    "FORCE_MOVE STEPPER=stepper_q DISTANCE=5 VELOCITY=5": "STEPPER is stepper_q: expected",
     "FORCE_MOVE STEPPER=stepper_x DISTANCE=9999 VELOCITY=5": "DISTANCE is 9999: expected",
     "SET_SKEW XY=1,2": "XY is 1,2: expected the lengths",
     "STEPPER_BUZZ STEPPER=fan": "STEPPER is fan: expected stepper_x",
