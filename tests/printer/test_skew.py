@@ -118,7 +118,7 @@ def test_skew_is_found_by_a_printed_square_and_kept(tmp_path):
 @pytest.mark.parametrize(
     ("line", "says"),
     [
-        ("M852 I0.3", "XY is 0.3: expected -0.2 to 0.2"),
+        ("M852 I0.3", "I is 0.3: expected -0.2 to 0.2"),
         ("SET_SKEW XY=1,2", "XY is 1,2: expected the lengths AC,BD,AD in mm"),
         ("SET_SKEW XY=100,300,20", "no parallelogram has the lengths"),
         ("SET_SKEW", "needs XY="),

@@ -207,7 +207,7 @@ def test_a_model_s_figures_are_looked_at():
         line = s.host.ok("M307 H0")[0]
         assert line == "M307 H0 A380 C120 D2 F0.3 R25"
         wrong = s.host.ok("M307 H0 A400 C0")[0]
-        assert wrong.startswith("echo:C is 0: expected a number greater than 0")
+        assert wrong.startswith("echo:C is 0: expected more than 0 s")
         assert s.host.ok("M307 H0")[0] == line
         s.host.ok("M307 H0 A400 F0.2")
         assert model_of(s) == (400, 120, 2, 0.2, 25)
@@ -278,7 +278,7 @@ def test_gains_are_set_in_the_usual_unit():
         assert s.host.ok("M301 H0")[0] == "M301 H0 P25.5 I2.55 D51"
         s.host.ok("M304 P10.2")
         assert s.printer.rig.connection.heaters["bed"].control.kp == 10.2
-        refused = "echo:P is -1: expected a number of at least 0"
+        refused = "echo:P is -1: expected 0 or more"
         assert s.host.ok("M301 P-1 H-5")[0].startswith(refused)
         assert s.host.ok("M301 I3 P-1 H0")[0].startswith(refused)
         assert s.host.ok("M301 H0")[0] == "M301 H0 P25.5 I2.55 D51"
@@ -296,7 +296,7 @@ def test_a_thermistor_can_be_changed_while_it_runs():
         assert s.printer.rig.connection.heaters["hotend"].celsius < 190
         assert "B4267" in s.host.ok("M305 H0")[0]
         wrong = s.host.ok("M305 H0 A90000 B-3")[0]
-        assert wrong.startswith("echo:B is -3: expected a number of at least 100")
+        assert wrong.startswith("echo:B is -3: expected 100 to 20,000 K")
         assert "A100000 B4267" in s.host.ok("M305 H0")[0]
         assert s.host.ok("M306 H0")[0] == "M306 H0 A0 B255 L5 O285 C255 U1 T1"
 
@@ -325,7 +325,7 @@ def test_the_bounds_of_an_integral_are_settings(tmp_path):
     [
         ("A0.1", "A is 0.1: expected a number of at least 1"),
         ("R0.001", "R is 0.001: expected a number of at least 1"),
-        ("B999999999", "B is 1e+09: expected a number of at most 20000"),
+        ("B999999999", "B is 1e+09: expected 100 to 20,000 K"),
         (
             "A1",
             "with these values, the thermistor of hotend has no distinct reading for each"

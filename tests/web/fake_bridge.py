@@ -9,6 +9,7 @@ from passo.card import Card, Writer, open_card
 from passo.config.machine import MachineConfig
 from passo.errors import CardError, PassoError
 from passo.events import Event
+from passo.gcode.command import Command
 from passo.gcode.registry import Declaration, table
 from passo.job.batch.estimate import Estimate
 from passo.job.batch.verdict import Verdict
@@ -145,6 +146,10 @@ class FakeBridge:
         for line in answer if heard else ():
             heard(line)
         return answer
+
+    async def call(self, *commands: Command, sender: str = "") -> tuple[str, ...]:
+        script = "\n".join(f"{c.code} {c.text}".rstrip() for c in commands)
+        return await self.run(script, sender=sender)
 
     async def endstops(self) -> dict[str, bool]:
         self._answer("endstops")

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from passo.console.session import Session
 from passo.errors import CommandError, Problem
+from passo.gcode.command import Command
 from passo.gcode.line_protocol import LONGEST, uncommented
 from passo.printer.control import Control
 
@@ -64,9 +65,16 @@ class Client(Session):
             raise ValueError(f"send() takes at most {LONGEST} bytes, not {len(data)}")
         if not uncommented(text):
             return Reply()
+        return await self._answer(lambda: self.receive(data), heard)
+
+    async def execute(self, command: Command, heard: Callable[[str], None] | None = None) -> Reply:
+        """As `send`, for a command with values."""
+        return await self._answer(lambda: self.call(command), heard)
+
+    async def _answer(self, take: Callable[[], None], heard: Callable[[str], None] | None) -> Reply:
         reply: asyncio.Future[Reply] = asyncio.get_running_loop().create_future()
         self._pending.append((reply, heard))
-        self.receive(data)
+        take()
         try:
             return await reply
         except asyncio.CancelledError:

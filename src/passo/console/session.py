@@ -156,6 +156,15 @@ class Session:
             self._held = True
             self._wire.hold(True)
 
+    def call(self, command: Command) -> None:
+        """Executes a command with values, after the lines before it."""
+        line = Line(f"{command.code} {command.text}".rstrip())
+        self._shown.received(self.number, line.text, self.sender)
+        seen = self._emergency_parser.see(command, None, self._upload)
+        self._lines.append((line, command, seen))
+        if self._resting:
+            self._work()
+
     def close(self) -> None:
         """The host has disconnected: discards its queued lines and ends its wait."""
         self.closed = True
@@ -341,26 +350,36 @@ class Session:
         if given_up and self._was_stopped(code):
             return False
         if not (control.dispatch.has_room() and control.motion_lock.try_acquire()):
-            self._begin(line, code, None, queued=True)
+            self._begin(line, command, None, queued=True)
             return True
         wait = None
         try:
-            wait = control.dispatch.take_line(line.text, self)
+            wait = self._read(line, command)
         finally:
             if wait is None:
                 control.motion_lock.release()
         if wait is not None:
-            self._begin(line, code, wait)
+            self._begin(line, command, wait)
         return wait is not None
 
-    def _begin(self, line: Line, code: str, wait: Wait | None, *, queued: bool = False) -> None:
-        self._working = not queued
-        self._task = self._loop.create_task(self._carry_out(line, code, wait, queued=queued))
+    def _read(self, line: Line, command: Command) -> Wait | None:
+        """Reads a line, or carries out a command that was called with values."""
+        if command.given is not None:
+            return self._control.dispatch.take_call(command, self)
+        return self._control.dispatch.take_line(line.text, self)
 
-    async def _carry_out(self, line: Line, code: str, wait: Wait | None, *, queued: bool) -> None:
+    def _begin(
+        self, line: Line, command: Command, wait: Wait | None, *, queued: bool = False
+    ) -> None:
+        self._working = not queued
+        self._task = self._loop.create_task(self._carry_out(line, command, wait, queued=queued))
+
+    async def _carry_out(
+        self, line: Line, command: Command, wait: Wait | None, *, queued: bool
+    ) -> None:
         """Waits for the motion lock, for space in the move queue, or for the condition of a
         command, and executes the line."""
-        control = self._control
+        control, code = self._control, command.code
         self.every("busy", self.busy_s, self._say_busy)
         has_turn, hurried = not queued, False
         try:
@@ -370,7 +389,7 @@ class Session:
                 hurried = await control.dispatch.room()
                 overtaken = self._overtaken and self._was_stopped(code)
                 if not (overtaken or self._refused(code) or self._halted(code)):
-                    wait = control.dispatch.take_line(line.text, self)
+                    wait = self._read(line, command)
             self._working = True
             await control.dispatch.finish(wait, self, first_ends=hurried, all_end=lambda: self.gone)
         except Exception as error:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Self, overload
 from passo import _core
 from passo.errors import CommandError, WordError
 from passo.gcode.parameters import Form, number_of
-from passo.gcode.registry import Declaration, row_of
+from passo.gcode.registry import Declaration, Kind, row_of
 from passo.gcode.stray import stray_of
 
 if TYPE_CHECKING:
@@ -28,9 +28,10 @@ _ESCAPE = re.compile(rb"\\([0-9A-Fa-f]{2})")
 LARGEST = 1e9  # the limit for words of moves, too
 
 
+_PLAIN = re.compile(r"[\w.+-]+", re.ASCII)
 _CODE = re.compile(r"([A-Z])(\d+)(?:\.(\d))?")
-Value = float | str
-Given = Value | bool | None  # True: a letter alone; False and None: it is not given
+Value = float | str | None  # None: a letter alone
+Given = float | str | bool | None  # True: a letter alone; False and None: it is not given
 
 
 class _Needed(Enum):
@@ -56,16 +57,18 @@ class Command:
     def call(cls, code: str, **given: Given) -> Self:
         """A command with these values, by letter or key."""
         values: dict[str, Value] = {
-            name: "" if value is True else value
+            name: None if value is True else value
             for name, value in given.items()
             if value is not None and value is not False
         }
         numbered = _CODE.fullmatch(code)
         if numbered is None:
-            words = (f"{name}={_quoted(value)}" for name, value in values.items())
-            return cls(0, "", 0, 0, code, " ".join(words), values)
+            pairs = (f"{name}={_quoted(value)}" for name, value in values.items())
+            return cls(0, "", 0, 0, code, " ".join(pairs), values)
         letter, number, minor = numbered.groups()
-        words = (f"{name}{_lettered(value)}" for name, value in values.items())
+        row = row_of(code)
+        quote = "" if row is not None and row.kind is Kind.MOTION else '"'  # letters of axes
+        words = (f"{name}{_lettered(value, quote)}" for name, value in values.items())
         return cls(0, letter, int(number), int(minor or 0), "", " ".join(words), values)
 
     @property
@@ -74,6 +77,11 @@ class Command:
         if self.name:
             return self.name
         return f"{self.letter}{self.number}" + (f".{self.minor}" if self.minor else "")
+
+    @property
+    def keyed(self) -> bool:
+        """Whether the parameters are KEY=VALUE, not letters as those of `G1 H2`."""
+        return bool(self.name) and " " not in self.name
 
     # -- checks -----------------------------------------------------------------------------------
 
@@ -118,14 +126,10 @@ class Command:
                 raise WordError.of("input.number", value=letter)
 
     def _check_values(self, row: Declaration) -> None:
-        given: Mapping[str, Value | None]
-        if self.given is not None:
-            given = self.given
-        else:
-            given = self.pairs() if self.name else self._read()
+        given = self.values
         for parameter in row.parameters:
             if parameter.required and not given.keys() & set(parameter.names):
-                wanted = " or ".join(parameter.names) + ("=" if self.name else "")
+                wanted = " or ".join(parameter.names) + ("=" if self.keyed else "")
                 raise CommandError.of("input.missing-word", axis=self.code, value=wanted)
         for name, value in given.items():
             parameter = row.by_name.get(name)
@@ -145,18 +149,16 @@ class Command:
             row is None
             or row.takes_text
             or row.takes_anything
-            or (self.name and not row.parameters)
+            or (self.keyed and not row.parameters)
         ):
             return []
-        given = self.pairs() if self.name else dict.fromkeys(self.letters())
-        return [name for name in given if name not in row.by_name]
+        return [name for name in self.values if name not in row.by_name]
 
     # -- values -----------------------------------------------------------------------------------
 
     def has(self, *names: str) -> bool:
         """Whether one of these parameters is given."""
-        given = self.pairs() if self.name else self.letters()
-        return any(name in given for name in names)
+        return any(name in self.values for name in names)
 
     @overload
     def value(self, name: str, default: float = ...) -> float: ...
@@ -167,12 +169,9 @@ class Command:
     def value(self, name: str, default: float | _Needed | None = _Needed.DECLARED) -> float | None:
         """The number of a parameter; without it `default`, or else the default of its declaration.
         Raises CommandError if it has none, and for a text that is not a number."""
-        if self.name:
-            pairs = self.pairs()
-            if name in pairs:
-                return number_of(name, pairs[name])
-        elif (value := self.words().get(name)) is not None:
-            return value
+        value = self.values.get(name)
+        if value is not None:
+            return number_of(name, value) if isinstance(value, str) else value
         return self._declared(name) if isinstance(default, _Needed) else default
 
     @overload
@@ -191,34 +190,35 @@ class Command:
         """Whether a letter is given, alone or with a number that is not 0, or a key with one."""
         if not self.has(name):
             return False
-        return self.value(name, 0.0 if self.name else 1.0) != 0
+        return self.value(name, 0.0 if self.keyed else 1.0) != 0
 
     def string(self, name: str, default: str = "") -> str:
         """The text of a parameter."""
-        if self.name:
-            return self.pairs().get(name, default)
-        value = self._read().get(name)
+        value = self.values.get(name)
         return value if isinstance(value, str) else default
 
     def _declared(self, name: str) -> float:
         row = row_of(self.code)
         known = row.by_name.get(name) if row is not None else None
         if known is None or known.default is None:
-            wanted = f"{name}=" if self.name else name
+            wanted = f"{name}=" if self.keyed else name
             raise CommandError.of("input.missing-word", axis=self.code, value=wanted)
         return known.default
 
-    def _read(self) -> Mapping[str, Value | None]:
-        """The values of the letters: a number, a text, or None for a letter alone."""
+    @property
+    def values(self) -> Mapping[str, Value]:
+        """The parameters by letter or key, as they are given."""
         if self.given is not None:
             return self.given
+        if self.keyed:
+            return self.pairs()
         found = ((k, n, t) for k, n, t in _core.split_text(self.text) if _is_letter(k))
         return {k: t if n is None else None if isnan(n) else n for k, n, t in found}
 
     def words(self) -> dict[str, float]:
         """The numbers by their letters, without letters that have no number."""
         if self.given is not None:
-            return {k: v for k, v in self.given.items() if not isinstance(v, str)}
+            return {k: float(v) for k, v in self.given.items() if isinstance(v, float | int)}
         return dict(words_of(self.text))
 
     def letters(self) -> list[str]:
@@ -229,7 +229,9 @@ class Command:
         """KEY=VALUE parameters of an extended command: see `pairs_of`."""
         if self.given is None:
             return pairs_of(self.text)
-        return {k: v if isinstance(v, str) else numeral(v) for k, v in self.given.items()}
+        return {
+            k: numeral(v) if isinstance(v, float | int) else v or "" for k, v in self.given.items()
+        }
 
 
 def pairs_of(text: str) -> dict[str, str]:
@@ -265,6 +267,8 @@ def alone(command: Command) -> bool:
     row = row_of(command.code)
     if command.name or row is None or row.takes_text or row.takes_anything:
         return True
+    if command.given is not None:
+        return True
     return not any(
         number is not None and number >= 0 and letter in "GMT" and letter not in row.by_name
         for letter, number, _ in _core.split_text(command.text)
@@ -277,7 +281,10 @@ def forced(command: Command) -> bool:
     row = row_of(command.code)
     if row is None or not row.forced:
         return False
-    words = _core.split_text(command.text)
+    if command.given is None:
+        words = _core.split_text(command.text)
+    else:
+        words = [(k, v, None) for k, v in command.given.items() if not isinstance(v, str)]
     return any(word[0] == "F" for word in words) and all(_sets_at_once(*word) for word in words)
 
 
@@ -302,15 +309,19 @@ def letters_of(text: str) -> list[str]:
     return [letter for letter, _, _ in _core.split_text(text) if _is_letter(letter)]
 
 
-def _lettered(value: Value) -> str:
-    """A value after its letter: a text in quotes, unless it is empty."""
-    return numeral(value) if not isinstance(value, str) else value and f'"{value}"'
+def _lettered(value: Value, quote: str) -> str:
+    """A value after its letter, and nothing for a letter alone."""
+    if isinstance(value, str):
+        return f"{quote}{value}{quote}"
+    return "" if value is None else numeral(value)
 
 
 def _quoted(value: Value) -> str:
-    r"""A value of a key; a text in quotes, within which a quotation mark is written as `\"`."""
+    r"""A value of a key. A text with blanks or signs is in quotes, with `\"` for one in it."""
     if not isinstance(value, str):
-        return numeral(value)
+        return "1" if value is None else numeral(value)
+    if _PLAIN.fullmatch(value):
+        return value
     escaped = value.replace("\\", "\\\\").replace('"', '\\"')
     return f'"{escaped}"'
 

@@ -6,6 +6,9 @@ from __future__ import annotations
 from passo.gcode.parameters import TOOL, Parameter, axes, ignored, integer, number, text
 from passo.gcode.registry import Declaration, Kind, Subject, When, declare
 
+READ_FIRST = frozenset({"G28", "M5", "M98", "M99", "M486"})
+"""Commands with a handler in Python that the interpreter in the core reads first."""
+
 _MOVE = (
     axes("X Y Z E", "the end of the move", "mm"),
     number("F", "the feedrate", "mm/min"),

@@ -64,7 +64,7 @@ class Parameter:
     def limit(self) -> str:
         """The valid values with their unit; empty if each is valid."""
         if self.choices:
-            return ", ".join(self.choices)
+            return (" or " if len(self.choices) == 2 else ", ").join(self.choices)
         unit = f" {self.unit}" if self.unit else ""
         off = "0 (off), or " if self.off else ""
         if isfinite(self.low) and isfinite(self.high):

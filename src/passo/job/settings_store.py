@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, cast
 
 from passo.errors import CommandError
+from passo.gcode.command import Command
 from passo.job.durable_files import load_json, store_json
 
 VERSION = 2  # version 1 contained the commands of all settings, changed or not
@@ -52,9 +53,23 @@ class Setting(NamedTuple):
         """The command and its target, without the value."""
         return self.head, self.word
 
-    def __str__(self) -> str:
+    def call(self) -> Command:
         """The command that sets only this value."""
+        code, *words = f"{self.head} {self.word}{self.value}".split()
+        pairs = (word.split("=", 1) if "=" in word else (word[0], word[1:]) for word in words)
+        return Command.call(code, **{name: _value(text) for name, text in pairs})
+
+    def __str__(self) -> str:
+        """The command that sets only this value, as text."""
         return f"{self.head} {self.word}{self.value}"
+
+
+def _value(text: str) -> float | str | bool:
+    """A value as a number, if it is one; a letter alone is True."""
+    try:
+        return float(text) if text else True
+    except ValueError:
+        return text
 
 
 def settings_in(lines: Iterable[str]) -> Iterator[Setting]:

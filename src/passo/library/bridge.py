@@ -16,6 +16,7 @@ from passo.card.unheld import Unheld
 from passo.console.client import Client
 from passo.console.session import command_of
 from passo.errors import CommandError, ConfigError, PassoError
+from passo.gcode.command import Command
 from passo.gcode.line_protocol import uncommented
 from passo.gcode.registry import table
 from passo.library.planning import Planning
@@ -125,53 +126,61 @@ class LiveBridge:
         for loop, listeners in list(self._listeners.items()):
             _call(loop, partial(_tell_each, listeners, tell))
 
-    async def _run(self, script: str, heard: Hearer | None, sender: str) -> tuple[str, ...]:
+    async def _run(
+        self, script: Sequence[str | Command], heard: Hearer | None, sender: str
+    ) -> tuple[str, ...]:
         try:
             return await self._carry_out(script, heard, sender)
         finally:
             self._called()
 
-    async def _carry_out(self, script: str, heard: Hearer | None, sender: str) -> tuple[str, ...]:
-        lines = script.splitlines()
-        if self._overtakes(lines):
-            return await self._send(self._overtaking, lines, heard, sender)
+    async def _carry_out(
+        self, script: Sequence[str | Command], heard: Hearer | None, sender: str
+    ) -> tuple[str, ...]:
+        if self._overtakes(script):
+            return await self._send(self._overtaking, script, heard, sender)
         self._in_turn += 1
         try:
             async with self._turn:
-                return await self._send(self._scripts, lines, heard, sender)
+                return await self._send(self._scripts, script, heard, sender)
         finally:
             self._in_turn -= 1
 
     async def _send(
-        self, client: Client, lines: Sequence[str], heard: Hearer | None, sender: str
+        self, client: Client, script: Sequence[str | Command], heard: Hearer | None, sender: str
     ) -> tuple[str, ...]:
         client.sender = sender
+        self._control.rig.commands.klipper.unrestored.clear()
         answers: list[str] = []
-        for number, line in enumerate(lines, 1):
-            try:
-                answers += (await client.send(line, heard)).lines
-            except PassoError:
-                await self._restore_states(lines[number:])
-                raise
+        try:
+            for one in script:
+                line = isinstance(one, str)
+                reply = await (client.send(one, heard) if line else client.execute(one, heard))
+                answers += reply.lines
+        except PassoError:
+            await self._restore_states(client)
+            raise
         return tuple(answers)
 
-    def _overtakes(self, lines: Sequence[str]) -> bool:
+    def _overtakes(self, script: Sequence[str | Command]) -> bool:
         """Whether each line of a script acts at once, so that the script need not wait for the one
         before. Heaters and fans that are set while a command moves the machine by itself do not
         overtake scripts that wait for its end."""
         dispatch = self._control.dispatch
-        commands = [command_of(text) for line in lines if (text := uncommented(line))]
+        commands = [
+            command_of(text) if isinstance(one, str) else one
+            for one in script
+            if (text := uncommented(one) if isinstance(one, str) else one.code)
+        ]
         waits = self._in_turn > 1 and any(map(dispatch.sets_meanwhile, commands))
         return bool(commands) and not waits and all(map(dispatch.overtakes, commands))
 
-    async def _restore_states(self, lines: Sequence[str]) -> None:
-        """After a failed line, carries out the later lines that restore modes without a move, so
-        that lines are read as before the script."""
-        for line in lines:
-            with suppress(PassoError):  # the line is malformed, or the state was not saved
-                command = command_of(uncommented(line))
-                if command.code == "RESTORE_GCODE_STATE" and "MOVE" not in command.pairs():
-                    await self._scripts.send(line)
+    async def _restore_states(self, client: Client) -> None:
+        """After a failure, restores the states that the script has saved, so that lines are read as
+        before it."""
+        for name in reversed(list(self._control.rig.commands.klipper.unrestored)):
+            with suppress(PassoError):  # the printer has halted
+                await client.execute(Command.call("RESTORE_GCODE_STATE", NAME=name))
 
     def _line(self, line: ConsoleLine) -> None:
         for loop, call in list(self._line_listeners):
@@ -270,7 +279,12 @@ class LiveBridge:
             if heard is not None:
                 _call(loop, partial(heard, line))
 
-        return await self._cross(self._run(script, None if heard is None else cross_back, sender))
+        lines = script.splitlines()
+        return await self._cross(self._run(lines, None if heard is None else cross_back, sender))
+
+    async def call(self, *commands: Command, sender: str = "") -> tuple[str, ...]:
+        """Like `Bridge.call`."""
+        return await self._cross(self._run(commands, None, sender))
 
     async def endstops(self) -> dict[str, bool]:
         """Like `Bridge.endstops`."""
@@ -288,7 +302,7 @@ class LiveBridge:
 
     async def restart(self) -> None:
         """Like `Bridge.restart`."""
-        await self.run("M999")
+        await self.call(Command.call("M999"))
 
     async def restart_program(self) -> None:
         """Like `Bridge.restart_program`."""

@@ -9,7 +9,8 @@ from functools import partial
 from passo import _core
 from passo.board.ports import LinkLostError
 from passo.errors import CommandError, InputError
-from passo.gcode.command import Command, alone, forced, letters_of
+from passo.gcode.command import Command, alone, forced
+from passo.gcode.interpreter_commands import READ_FIRST
 from passo.gcode.registry import Declaration, Kind, Role, When, commands_of, row_of
 from passo.motion.motion_queue import MAX_QUEUED
 from passo.printer.commands.klipper_commands import TRANSLATED
@@ -125,15 +126,12 @@ class Dispatch:
 
     def _set_meanwhile(self, command: Command, reply: Reply) -> None:
         try:
-            lines = self._rig.commands.klipper.lines_of(command)
+            numbered = self._rig.commands.klipper.numbered(command)
         except CommandError as error:
             reply.fail(str(error), error.problems)
             return
-        for line in lines:
-            code, _, text = line.partition(" ")
-            text = text if "F" in letters_of(text) else f"{text} F"
-            one = Command(command.line, code[0], int(code[1:]), 0, "", text)
-            self._carried_out(None, one, reply)
+        for one in numbered:
+            self._carried_out(None, Command.call(one.code, **one.values, F=True), reply)
 
     def answers_halted(self, code: str) -> bool:
         """Whether a halted printer executes such a command. It must act at once, not change the
@@ -166,6 +164,26 @@ class Dispatch:
         is True."""
         return self._take(lambda: self._feed(text), reply)
 
+    def take_call(self, command: Command, reply: Reply) -> Wait | None:
+        """As `take_line`, for a command that a program calls with values. Only what the core
+        carries out itself, and a macro, become text."""
+        code = command.code
+        row = row_of(code)
+        handled = row is not None and row.kind is not Kind.MOTION and code not in READ_FIRST
+        if not handled or self._rig.macros.calls(code):
+            return self.take_line(f"{code} {command.text}", reply)
+
+        def run() -> Wait | None:
+            self.select(console=True)
+            try:
+                wait = self.run_command(command, reply)
+            finally:
+                self._rig.queue.after_moves()
+            self._rig.commands.ended = False  # a command of a console must not end the program
+            return wait
+
+        return self._take(run, reply)
+
     def take_template(self, name: str, text: str, reply: Reply) -> Wait | None:
         """Runs the template `text` of the machine file, at its key `name`, in the way `take_line`
         runs a line. Raises CommandError if the template fails."""
@@ -186,12 +204,11 @@ class Dispatch:
         self.select(console=True)
         await self.finish(self._go_on(reply), reply)
 
-    def _take(self, feed: Callable[[], None], reply: Reply) -> Wait | None:
+    def _take(self, begin: Callable[[], Wait | None], reply: Reply) -> Wait | None:
         self._tell_of_line(done=False)
         job = self._rig.job
-        feed()
         before = job.plan.queued, job.clock
-        wait = self._go_on(reply)
+        wait = begin() or self._go_on(reply)
         self._tell_of_line(done=True)
         if not self._state.busy() and (job.plan.queued, job.clock) != before:
             self._state.program = reply

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from passo.card import Card, Writer
     from passo.config.machine import MachineConfig
     from passo.events import Event
+    from passo.gcode.command import Command
     from passo.gcode.registry import Declaration
     from passo.job.batch.verdict import Verdict
     from passo.learn.explanation import Explanation
@@ -150,11 +151,15 @@ class Bridge(Protocol):
     ) -> tuple[str, ...]:
         """Executes lines of G-code, one after the other, and returns the lines of their answers.
         The answer to a move comes when the move is planned. The first line that fails ends the
-        script; after it, only RESTORE_GCODE_STATE lines without MOVE are executed. `heard` is
+        script; the states that it has saved (SAVE_GCODE_STATE) are restored then. `heard` is
         called at once with each answer and its console prefix. `sender` is shown with the lines. A
         script waits for earlier ones; only a single line that acts at once (a report, a temperature
         with F, M108, M112) overtakes them.
         """
+        ...
+
+    async def call(self, *commands: Command, sender: str = "") -> tuple[str, ...]:
+        """As `run`, for commands with values."""
         ...
 
     def emergency_stop(self) -> None:

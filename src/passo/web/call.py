@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from passo.gcode.command import Command, Given
+
 if TYPE_CHECKING:
     from starlette.requests import Request
 
@@ -29,3 +31,11 @@ class Call:
     async def run(self, script: str) -> tuple[str, ...]:
         """Executes lines of G-code for the caller, as `Bridge.run`."""
         return await self.site.bridge.run(script, sender=self.caller.name)
+
+    async def command(self, code: str, **given: Given) -> tuple[str, ...]:
+        """Executes a command with these values for the caller; see `Command.call`."""
+        return await self.commands(Command.call(code, **given))
+
+    async def commands(self, *commands: Command) -> tuple[str, ...]:
+        """Executes commands for the caller, one after the other, as `Bridge.call`."""
+        return await self.site.bridge.call(*commands, sender=self.caller.name)

@@ -16,7 +16,7 @@ from passo.config.sensor_tables import converter_of, reads_within, sensor_table,
 from passo.config.sensors import Thermistor
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
-from passo.gcode.parameters import ignored, integer, number, refused
+from passo.gcode.parameters import ignored, integer, number
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.heat.rules import FULL_POWER, Gains
 from passo.printer.live_rig import LiveRig
@@ -67,6 +67,8 @@ def _heater(machine: MachineConfig, index: int) -> str:
 def _check_pid(command: Command, machine: MachineConfig) -> None:
     """M306 on this machine. Raises CommandError."""
     name = heater_in(command, machine)
+    if command.words().keys() - {"A", "B", "E", "H"}:
+        raise CommandError.of("command.fixed", value=f"heaters.{name}")
     if command.has("A", "B") and machine.heaters[name].control.kind != "pid":
         raise CommandError.of("heat.no-pid", axis=name)
 
@@ -256,10 +258,10 @@ class ControlCommands:
         When.IMMEDIATE,
         "Sets the thermistor of heater H: R25, beta, C, pull-up, offsets.",
         HEATER,
-        number("A", "the resistance at 25 °C", "Ω"),
+        number("A", "the resistance at 25 °C", "ohm"),
         number("B", "β", "K", 100, 20_000),
         number("C", "C of the Steinhart-Hart equation", "1/K", 0, 1e-5),
-        number("R", "the pull-up", "Ω"),
+        number("R", "the pull-up", "ohm"),
         number("L O", "an offset of the ADC"),
         ignored("T P"),
         kind=Kind.SERVED,
@@ -309,7 +311,6 @@ class ControlCommands:
             "A", "the least output of the integral, in 1/255 of full power", low=0, high=FULL_POWER
         ),
         number("B", "the largest", low=0, high=FULL_POWER),
-        refused("CDFGIJKLMNOPQRSTUVWXYZ", "heaters"),
         kind=Kind.SERVED,
         valid=_check_pid,
     )

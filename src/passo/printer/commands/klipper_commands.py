@@ -3,7 +3,7 @@ like the lines of a macro."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,7 +11,7 @@ from passo.config.heater_numbers import number_of
 from passo.config.klipper_names import extruder_object, fan_object, heater_object
 from passo.config.part_names import found_name
 from passo.errors import CommandError
-from passo.gcode.command import Command, numeral
+from passo.gcode.command import Command
 from passo.gcode.parameters import flag, number, text
 from passo.gcode.registry import Subject, When, command, in_program
 from passo.printer.stand_ins import FANS, HEATERS
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 _OF_PAGES = "_ui_"  # prefix of states that web pages save before manual moves, which are in mm
 _DEFAULT = "default"  # name of a state that is saved without a name
-_SETS = {"hotend": "M104 T{}", "bed": "M140 P{}", "chamber": "M141 P{}"}
+_SETS = {"hotend": ("M104", "T"), "bed": ("M140", "P"), "chamber": ("M141", "P")}
 _FULL_FAN = 255
 _NOT_DRIVEN = "Passo does not drive this part, which the machine file keeps for macros."
 _TUNED = "a heater that H of M303 means"
@@ -57,14 +57,17 @@ class KlipperCommands:
         self._machine, self._job, self._babysteps_mm = machine, job, babysteps_mm
         self._stand_ins = stand_ins
         self._saved: dict[str, _Saved] = {}
+        self.unrestored: dict[str, None] = {}
+        """The states that were saved and not restored yet, oldest first; a caller may clear it."""
 
-    def _become(self, lines: Iterable[str]) -> None:
+    def _become(self, *lines: str | Command) -> None:
         """Reads these lines next. They mean the built-in commands, also where a macro replaces
         one, because such a macro often calls the command that becomes these lines."""
         self._job.program.insert("".join(f"{self._built_in(line)}\n" for line in lines).encode())
 
-    def _built_in(self, line: str) -> str:
-        code, _, words = line.partition(" ")
+    def _built_in(self, line: str | Command) -> str:
+        text = line if isinstance(line, str) else f"{line.code} {line.text}"
+        code, _, words = text.partition(" ")
         name = self._machine.macro_names.get(code)
         other = self._machine.macros[name].rename_existing if name else None
         return f"{other or code} {words}".rstrip()
@@ -83,6 +86,7 @@ class KlipperCommands:
         job = self._job
         at = job.program_position
         name = command.string("NAME", _DEFAULT)
+        self.unrestored[name] = None
         self._saved[name] = _Saved(
             modes=tuple(mode for mode in job.modes.gcode.split("\n") if not mode.startswith("T")),
             speed_factor=job.limits.speed_factor,
@@ -91,7 +95,7 @@ class KlipperCommands:
             filament_mm=at[-1],
         )
         if name.startswith(_OF_PAGES):
-            self._become(["G21"])
+            self._become("G21")
 
     @command(
         "RESTORE_GCODE_STATE",
@@ -109,21 +113,21 @@ class KlipperCommands:
         if saved is None:
             limit = ", ".join(self._saved) or "a name that SAVE_GCODE_STATE has given"
             raise CommandError.of("command.value", axis="NAME", value=name, limit=limit)
-        lines = ["G21"]
+        self.unrestored.pop(name, None)
+        lines: list[str | Command] = ["G21"]
         if job.program_position[-1] != saved.filament_mm and self._machine.extruders:
-            lines.append(f"G92 E{numeral(saved.filament_mm)}")
+            lines.append(Command.call("G92", E=saved.filament_mm))
         if job.limits.speed_factor != saved.speed_factor:
-            lines.append(f"M220 S{numeral(100 * saved.speed_factor)}")
+            lines.append(Command.call("M220", S=100 * saved.speed_factor))
         for tool, part in enumerate(self._machine.all_tools):
             index = list(self._machine.extruders).index(part.extruder) if part.extruder else None
             if index is not None and job.filament.flows[index] != saved.flows[index]:
-                lines.append(f"M221 T{tool} S{numeral(100 * saved.flows[index])}")
+                lines.append(Command.call("M221", T=tool, S=100 * saved.flows[index]))
         if command.flag("MOVE"):
-            at = zip("XYZ", saved.program_mm, strict=True)
-            place = " ".join(f"{letter}{numeral(mm)}" for letter, mm in at)
+            place = dict(zip("XYZ", saved.program_mm, strict=True))
             speed = _lettered(command, {"F": ("MOVE_SPEED", 60)})
-            lines += ["G90", f"G1 {place}{speed}"]
-        self._become([*lines, *saved.modes])
+            lines += ["G90", Command.call("G1", **place, **speed)]
+        self._become(*lines, *saved.modes)
 
     @in_program("SET_GCODE_OFFSET")
     def _shift(self, command: Command, _: Reply) -> None:
@@ -151,7 +155,7 @@ class KlipperCommands:
         if not driven and not command.value("TARGET"):
             reply.note(command.code, without_effect(command.code, _NOT_DRIVEN))
             return
-        self._become(self.lines_of(command))
+        self._become(*self.numbered(command))
 
     @command(
         "TURN_OFF_HEATERS",
@@ -160,7 +164,7 @@ class KlipperCommands:
         "Switches all heaters off.",
     )
     def _all_off(self, command: Command, _: Reply) -> None:
-        self._become(self.lines_of(command))
+        self._become(*self.numbered(command))
 
     @command(
         "PID_CALIBRATE",
@@ -175,17 +179,18 @@ class KlipperCommands:
         found = number_of(self._machine, name)
         if found is None:
             raise CommandError.of("command.value", axis="HEATER", value=name, limit=_TUNED)
-        self._become([f"M303 H{found} S{numeral(command.value('TARGET'))} U1"])
+        self._become(Command.call("M303", H=found, S=command.value("TARGET"), U=1))
 
-    def _setting(self, name: str) -> str:
-        """The command, with its number, that sets a heater."""
+    def _heating(self, name: str, celsius: float) -> Command:
+        """The numbered command that sets a heater."""
         kind = self._machine.heaters[name].kind
         if kind == "hotend":
             index = number_of(self._machine, name) or 0
         else:
             same = [n for n, heater in self._machine.heaters.items() if heater.kind == kind]
             index = same.index(name)
-        return _SETS[kind].format(index)
+        code, letter = _SETS[kind]
+        return Command.call(code, **{letter: index}, S=celsius)
 
     @command(
         "SET_FAN_SPEED",
@@ -200,27 +205,25 @@ class KlipperCommands:
             state["speed"] = command.value("SPEED")
             reply.note(command.code, without_effect(command.code, _NOT_DRIVEN))
             return
-        self._become(self.lines_of(command))
+        self._become(*self.numbered(command))
 
-    def lines_of(self, command: Command) -> list[str]:
+    def numbered(self, command: Command) -> list[Command]:
         """The numbered commands that set the heaters or the fan of a command of `TRANSLATED`; any
-        other command is its own line. Raises CommandError."""
-        lines = TRANSLATED.get(command.code)
-        if lines is None:
-            return [f"{command.code} {command.text}"]
-        return lines(self, command)
+        other command is itself. Raises CommandError."""
+        translated = TRANSLATED.get(command.code)
+        return [command] if translated is None else translated(self, command)
 
-    def heater_lines(self, command: Command) -> list[str]:
-        """The lines of SET_HEATER_TEMPERATURE. Raises CommandError."""
-        target = numeral(command.value("TARGET"))
-        return [f"{self._setting(heater_named(self._machine, command, 'HEATER'))} S{target}"]
+    def heated(self, command: Command) -> list[Command]:
+        """SET_HEATER_TEMPERATURE as a numbered command. Raises CommandError."""
+        name = heater_named(self._machine, command, "HEATER")
+        return [self._heating(name, command.value("TARGET"))]
 
-    def off_lines(self, _: Command) -> list[str]:
-        """The lines of TURN_OFF_HEATERS."""
-        return [f"{self._setting(name)} S0" for name in self._machine.heaters]
+    def off(self, _: Command) -> list[Command]:
+        """TURN_OFF_HEATERS as numbered commands."""
+        return [self._heating(name, 0) for name in self._machine.heaters]
 
-    def fan_lines(self, command: Command) -> list[str]:
-        """The lines of SET_FAN_SPEED. Raises CommandError."""
+    def blown(self, command: Command) -> list[Command]:
+        """SET_FAN_SPEED as a numbered command. Raises CommandError."""
         fans = self._machine.fans
         named = {
             fan_object(self._machine, name).removeprefix("fan_generic "): name
@@ -228,7 +231,7 @@ class KlipperCommands:
             if fan.commanded
         }
         index = fans[_one_of(command.string("FAN"), "FAN", named)].number
-        return [f"M106 P{index} S{numeral(_FULL_FAN * command.value('SPEED'))}"]
+        return [Command.call("M106", P=index, S=_FULL_FAN * command.value("SPEED"))]
 
     @command(
         "ACTIVATE_EXTRUDER",
@@ -240,7 +243,7 @@ class KlipperCommands:
     def _tool(self, command: Command, _: Reply) -> None:
         tools = range(len(self._machine.all_tools))
         named = {extruder_object(tool): str(tool) for tool in tools}
-        self._become([f"T{_one_of(command.string('EXTRUDER'), 'EXTRUDER', named)}"])
+        self._become(f"T{_one_of(command.string('EXTRUDER'), 'EXTRUDER', named)}")
 
     @command(
         "SET_RETRACTION",
@@ -255,7 +258,8 @@ class KlipperCommands:
     def _retraction(self, command: Command, _: Reply) -> None:
         into = _lettered(command, {"S": ("RETRACT_LENGTH", 1), "F": ("RETRACT_SPEED", 60)})
         out = _lettered(command, {"S": ("UNRETRACT_EXTRA_LENGTH", 1), "F": ("UNRETRACT_SPEED", 60)})
-        self._become([*([f"M207{into}"] if into else []), *([f"M208{out}"] if out else [])])
+        calls = [Command.call(code, **words) for code, words in (("M207", into), ("M208", out))]
+        self._become(*(call for call in calls if call.values))
 
     # -- reports and settings ---------------------------------------------------------------------
 
@@ -266,7 +270,7 @@ class KlipperCommands:
         "Reports which endstops are triggered, as M119.",
     )
     def _endstops(self, _: Command, __: Reply) -> None:
-        self._become(["M119"])
+        self._become("M119")
 
     @command(
         "SAVE_CONFIG",
@@ -275,13 +279,13 @@ class KlipperCommands:
         "Stores the settings, as M500.",
     )
     def _store(self, _: Command, __: Reply) -> None:
-        self._become(["M500"])
+        self._become("M500")
 
 
-TRANSLATED: Mapping[str, Callable[[KlipperCommands, Command], list[str]]] = {
-    "SET_HEATER_TEMPERATURE": KlipperCommands.heater_lines,
-    "TURN_OFF_HEATERS": KlipperCommands.off_lines,
-    "SET_FAN_SPEED": KlipperCommands.fan_lines,
+TRANSLATED: Mapping[str, Callable[[KlipperCommands, Command], list[Command]]] = {
+    "SET_HEATER_TEMPERATURE": KlipperCommands.heated,
+    "TURN_OFF_HEATERS": KlipperCommands.off,
+    "SET_FAN_SPEED": KlipperCommands.blown,
 }
 """Commands that set heaters and fans by their names, as numbered commands."""
 
@@ -314,12 +318,11 @@ def _one_of(written: str, key: str, named: Mapping[str, str]) -> str:
     return named[name]
 
 
-def _lettered(command: Command, letters: Mapping[str, tuple[str, float]]) -> str:
+def _lettered(command: Command, letters: Mapping[str, tuple[str, float]]) -> dict[str, float]:
     """The words of a numbered command, from KEY=VALUE parameters; each key has a letter and a
     factor."""
-    found = [
-        f" {letter}{numeral(factor * command.value(key))}"
+    return {
+        letter: factor * command.value(key)
         for letter, (key, factor) in letters.items()
         if command.has(key)
-    ]
-    return "".join(found)
+    }

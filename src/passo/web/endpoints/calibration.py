@@ -11,7 +11,7 @@ from passo.catalogue import codes_of
 from passo.config.heater_numbers import number_of
 from passo.config.thermistor import Ntc
 from passo.errors import InputError, WebError
-from passo.gcode.command import numeral
+from passo.gcode.command import Command
 from passo.heat.calibration import (
     FAR,
     MAX_BETA_K,
@@ -34,7 +34,8 @@ Celsius = Annotated[float, Meta(gt=0, le=400)]
 
 Procedure = Literal["gantry", "screws", "delta"]
 _PROCEDURES: dict[str, str] = {"gantry": "G34", "screws": "G35", "delta": "G33"}
-_RULES = {"pid": "C8 R0", "model": "R5"}
+_RULES = {"pid": {"C": 8, "R": 0}, "model": {"R": 5}}
+_HOME = Command.call("G28")
 _ERRORS = ("web.not-found", "command.value", "command.halted", "command.failed")
 
 
@@ -116,8 +117,8 @@ async def tune_heater(call: Call, body: HeaterTune) -> Answer:
     """Tunes a heater and applies the result (M303 with U1); `settings.store` stores it. This takes
     minutes; `console.end_wait` ends it. The heater is switched off before the answer."""
     number = _heater_number(call, body.heater)
-    rule = _RULES[body.method]
-    return Answer(list(await call.run(f"M303 H{number} S{numeral(body.celsius)} {rule} U1")))
+    tune = Command.call("M303", H=number, S=body.celsius, **_RULES[body.method], U=1)
+    return Answer(list(await call.commands(tune)))
 
 
 @operation(
@@ -157,8 +158,8 @@ async def fit_thermistor(call: Call, body: Readings) -> list[ThermistorFit]:
 async def set_thermistor(call: Call, body: Thermistor) -> None:
     """Sets the thermistor of a heater at once (M305), until `settings.store` stores it."""
     number = _heater_number(call, body.heater)
-    words = f"A{numeral(body.r25_ohm)} B{numeral(body.beta_k)} C{numeral(body.c_per_k)}"
-    await call.run(f"M305 H{number} {words}")
+    words = {"A": body.r25_ohm, "B": body.beta_k, "C": body.c_per_k}
+    await call.command("M305", H=number, **words)
 
 
 @operation(
@@ -171,7 +172,7 @@ async def set_thermistor(call: Call, body: Thermistor) -> None:
 async def measure_bed(call: Call) -> Answer:
     """Homes all axes, measures the bed by the method of the machine file, and switches the
     correction on (G28, G29)."""
-    return Answer(list(await call.run("G28\nG29")))
+    return Answer(list(await call.commands(_HOME, Command.call("G29"))))
 
 
 @operation(
@@ -183,7 +184,7 @@ async def measure_bed(call: Call) -> Answer:
 )
 async def repeat_probe(call: Call) -> Answer:
     """Homes all axes, and probes the bed ten times in one place (G28, M48)."""
-    return Answer(list(await call.run("G28\nM48 P10")))
+    return Answer(list(await call.commands(_HOME, Command.call("M48", P=10))))
 
 
 @operation(
@@ -199,7 +200,7 @@ async def level(call: Call, body: Levelling) -> Answer:
     procedures that the machine allows."""
     if body.procedure not in _procedures(call.bridge.machine):
         raise WebError.of("web.not-found", value=f"procedure {body.procedure} of this machine")
-    return Answer(list(await call.run(f"G28\n{_PROCEDURES[body.procedure]}")))
+    return Answer(list(await call.commands(_HOME, Command.call(_PROCEDURES[body.procedure]))))
 
 
 @operation(
@@ -215,7 +216,8 @@ async def measure_shaper(call: Call, body: Resonance) -> Answer:
     machine has an accelerometer."""
     if call.bridge.machine.accelerometer is None:
         raise WebError.of("web.not-found", value="accelerometer of this machine")
-    return Answer(list(await call.run(f"G28\nSHAPER_CALIBRATE AXIS={body.axis.upper()}")))
+    measure = Command.call("SHAPER_CALIBRATE", AXIS=body.axis.upper())
+    return Answer(list(await call.commands(_HOME, measure)))
 
 
 @operation("calibration.bed", "GET", "/calibration/bed", Role.VIEWER)

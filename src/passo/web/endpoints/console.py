@@ -78,7 +78,7 @@ async def run(call: Call, body: Script) -> Answer:
 async def end_wait(call: Call) -> None:
     """Ends the current wait (M108): for a temperature, a calibration, or a measurement of the
     bed."""
-    await call.run("M108")
+    await call.command("M108")
 
 
 @operation("console.history", "GET", "/console", Role.VIEWER)

@@ -7,7 +7,6 @@ from typing import Annotated
 from msgspec import Meta, Struct
 
 from passo.errors import WebError
-from passo.gcode.command import numeral
 from passo.web.call import Call
 from passo.web.operation import operation
 from passo.web.roles import Role
@@ -37,4 +36,4 @@ async def set_speed(call: Call, name: str, body: FanSpeed) -> None:
     found = call.bridge.machine.fans.get(name)
     if found is None or not found.commanded:
         raise WebError.of("web.not-found", value=f"fan {name} that commands set")
-    await call.run(f"M106 P{found.number} S{numeral(body.speed * 255)} F")
+    await call.command("M106", P=found.number, S=body.speed * 255, F=True)

@@ -8,13 +8,12 @@ from msgspec import Meta, Struct
 
 from passo.config.heater_numbers import heater_of
 from passo.errors import WebError
-from passo.gcode.command import numeral
 from passo.printer.status import HeaterStatus
 from passo.web.call import Call
 from passo.web.operation import operation
 from passo.web.roles import Role
 
-_COMMANDS = {"hotend": "M104 T", "bed": "M140 P", "chamber": "M141 P"}
+_COMMANDS = {"hotend": ("M104", "T"), "bed": ("M140", "P"), "chamber": ("M141", "P")}
 
 
 class HeaterTarget(Struct, forbid_unknown_fields=True):
@@ -46,4 +45,5 @@ async def set_target(call: Call, name: str, body: HeaterTarget) -> None:
     number = next((i for i in numbers if heater_of(machine, kind, i) == name), None)
     if number is None:
         raise WebError.of("web.not-found", value=f"number of heater {name} in commands")
-    await call.run(f"{_COMMANDS[kind]}{number} S{numeral(body.celsius)} F")
+    code, letter = _COMMANDS[kind]
+    await call.command(code, **{letter: number}, S=body.celsius, F=True)

@@ -20,7 +20,7 @@ from passo.config.notes import notes
 from passo.config.own_machines import own_path
 from passo.errors import ConfigError, PassoError, Problem
 from passo.gcode.command import numeral
-from passo.job.settings_store import same
+from passo.job.settings_store import Setting, same
 from passo.web.bridge import SettingValue
 from passo.web.call import Call
 from passo.web.machine import file
@@ -309,7 +309,7 @@ async def _act(call: Call, change: KeyChange, held: object, applied: Applied) ->
     if setting.source != "file" and not live:
         return applied.overridden
     try:
-        await call.run(f"{at[0]} {at[1]}{value}")
+        await call.commands(Setting(*at, value).call())
     except PassoError:
         return applied.restart
     taken = await _setting(call, at)

@@ -7,7 +7,7 @@ from typing import Annotated
 from msgspec import Meta, Struct
 
 from passo.errors import WebError
-from passo.gcode.command import numeral
+from passo.gcode.command import Command
 from passo.web.call import Call
 from passo.web.operation import operation
 from passo.web.roles import Role
@@ -45,10 +45,12 @@ async def jog(call: Call, body: Jog) -> None:
     are, and do not affect the distances. The answer comes when the move is planned."""
     for name in body.distances_mm:
         _require_axis(call, name, extruder=True)
-    words = [f"{name.upper()}{numeral(mm)}" for name, mm in body.distances_mm.items()]
-    letters = "".join(body.distances_mm).upper()
-    move = f"G1 {' '.join(words)} R{letters} F{numeral(body.speed_mm_s * 60)}"
-    await call.run(f"SAVE_GCODE_STATE NAME={_STATE}\n{move}\nRESTORE_GCODE_STATE NAME={_STATE}")
+    by_mm = {name.upper(): mm for name, mm in body.distances_mm.items()}
+    await call.commands(
+        Command.call("SAVE_GCODE_STATE", NAME=_STATE),
+        Command.call("G1", **by_mm, R="".join(by_mm), F=body.speed_mm_s * 60),
+        Command.call("RESTORE_GCODE_STATE", NAME=_STATE),
+    )
 
 
 @operation("motion.home", "POST", "/motion/home", Role.OPERATOR, errors=_ERRORS)
@@ -56,13 +58,13 @@ async def home(call: Call, body: AxesToHome) -> None:
     """Homes axes; answers when they are homed."""
     for name in body.axes:
         _require_axis(call, name, extruder=False)
-    await call.run(" ".join(["G28", *(name.upper() for name in body.axes)]))
+    await call.command("G28", **dict.fromkeys((name.upper() for name in body.axes), True))
 
 
 @operation("motion.wait", "POST", "/motion/wait", Role.OPERATOR, errors=("command.halted",))
 async def wait(call: Call) -> None:
     """Waits until all planned moves are done (M400)."""
-    await call.run("M400")
+    await call.command("M400")
 
 
 @operation(
@@ -74,7 +76,7 @@ async def wait(call: Call) -> None:
 )
 async def motors_off(call: Call) -> None:
     """Switches the motors off at standstill; axes are not homed any more."""
-    await call.run("M18")
+    await call.command("M18")
 
 
 def _require_axis(call: Call, name: str, *, extruder: bool) -> None:

@@ -8,6 +8,7 @@ from msgspec import Meta, Struct
 
 from passo.errors import WebError
 from passo.gcode.command import numeral
+from passo.job.settings_store import Setting
 from passo.web.bridge import SettingValue
 from passo.web.call import Call
 from passo.web.operation import operation
@@ -43,7 +44,7 @@ async def set_value(call: Call, body: NewValue) -> None:
     if (body.command, body.word) not in known:
         raise WebError.of("web.not-found", value=f"setting {body.command} {body.word}")
     value = body.value if isinstance(body.value, str) else numeral(body.value)
-    await call.run(f"{body.command} {body.word}{value}")
+    await call.commands(Setting(body.command, body.word, value).call())
 
 
 @operation(
@@ -55,7 +56,7 @@ async def set_value(call: Call, body: NewValue) -> None:
 )
 async def store(call: Call) -> None:
     """Stores the values that differ from the machine file (M500), durably."""
-    await call.run("M500")
+    await call.command("M500")
 
 
 @operation(
@@ -67,10 +68,10 @@ async def store(call: Call) -> None:
 )
 async def load(call: Call) -> None:
     """Restores the stored values (M501)."""
-    await call.run("M501")
+    await call.command("M501")
 
 
 @operation("settings.reset", "POST", "/settings/reset", Role.OPERATOR, errors=_ERRORS)
 async def reset(call: Call) -> None:
     """Restores the values of the machine file (M502); stored values stay stored."""
-    await call.run("M502")
+    await call.command("M502")

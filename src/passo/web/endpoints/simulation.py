@@ -38,4 +38,4 @@ async def parts(call: Call) -> list[SimulatedPart]:
 async def set_fault(call: Call, part: PartName, body: PartFault) -> None:
     """Gives a part of the simulated printer a fault, or ends it, even while the printer is halted
     (SIMULATE_FAULT)."""
-    await call.run(f"SIMULATE_FAULT NAME={part} VALUE={body.fault}")
+    await call.command("SIMULATE_FAULT", NAME=part, VALUE=body.fault)

@@ -7,7 +7,6 @@ from typing import Annotated, TypeAlias
 from msgspec import Meta, Struct
 
 from passo.errors import WebError
-from passo.gcode.command import numeral
 from passo.web.call import Call
 from passo.web.operation import operation
 from passo.web.roles import Role
@@ -41,13 +40,13 @@ _ERRORS = ("command.value", "command.halted", "command.failed")
 @operation("tuning.set_speed", "PUT", "/tuning/speed", Role.OPERATOR, errors=_ERRORS)
 async def set_speed(call: Call, body: SpeedFactor) -> None:
     """Scales the speed; during a print, also that of planned moves (M220)."""
-    await call.run(f"M220 S{numeral(body.factor * 100)}")
+    await call.command("M220", S=body.factor * 100)
 
 
 @operation("tuning.set_flow", "PUT", "/tuning/flow/{tool}", Role.OPERATOR, errors=_ERRORS)
 async def set_flow(call: Call, tool: ToolNumber, body: FlowFactor) -> None:
     """Scales the extrusion of a tool; during a print, also that of planned moves (M221)."""
-    await call.run(f"M221 T{tool} S{numeral(body.factor * 100)}")
+    await call.command("M221", T=tool, S=body.factor * 100)
 
 
 @operation(
@@ -61,4 +60,4 @@ async def babystep(call: Call, body: Babystep) -> None:
     """Shifts all remaining moves along an axis, at once (M290)."""
     if body.axis not in call.bridge.machine.axes:
         raise WebError.of("web.not-found", value=f"axis {body.axis}")
-    await call.run(f"M290 {body.axis.upper()}{numeral(body.distance_mm)}")
+    await call.command("M290", **{body.axis.upper(): body.distance_mm})

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from passo.errors import InputError, PassoError
+from passo.gcode.command import Command
 from passo.web.klippy.connection import Connection, TooManyRequestsError
 from passo.web.klippy.engine import Engine
 from passo.web.klippy.wire import FrameTooLongError
@@ -77,7 +78,7 @@ class KlippySocket:
 
     async def _restart(self) -> None:
         try:
-            await self._bridge.run("FIRMWARE_RESTART", sender="Klipper's socket")
+            await self._bridge.call(Command.call("FIRMWARE_RESTART"), sender="Klipper's socket")
         except PassoError as error:
             _log.error("The restart failed: %s", error)
 
