@@ -9,6 +9,7 @@ import pytest
 
 import passo
 from passo.errors import CardError, CommandError, PassoError
+from passo.gcode.command import Command
 from passo.library.bridge import LiveBridge
 from passo.printer.status import PrinterState
 from passo.web.answers import status_of
@@ -100,6 +101,58 @@ def test_script_that_fails_restores_the_state_that_it_has_saved(tmp_path):
             await bridge.run(f"{jog}_ui_movement ; as before\nG1 X1")
         await bridge.run("G1 X2 F100")  # absolute, in inches
         assert bridge._control.rig.job.machine_position[0] == pytest.approx(50.8)
+
+    bridged(test, tmp_path)
+
+
+def test_called_commands_act_in_order_with_their_values(tmp_path):
+    async def test(bridge: LiveBridge, _):
+        home, move = Command.call("G28"), Command.call("G1", X=50, Y=20.5, F=6000)
+        assert await bridge.call(home, move, Command.call("M400")) == ()
+        await bridge.call(Command.call("M106", P=0, S=127.5, F=True))
+        await bridge.call(Command.call("SET_FAN_SPEED", FAN="fan", SPEED=0.25))
+        await bridge.call(Command.call("SET_HEATER_TEMPERATURE", HEATER="extruder", TARGET=60))
+        await bridge.call(Command.call("M400"))
+        await asyncio.sleep(0.5)
+        status = bridge.latest().status
+        assert (status.position_mm["x"], status.position_mm["y"]) == (50.0, 20.5)
+        assert status.fans["part"] == pytest.approx(0.25)
+        assert status.heaters["hotend"].target_c == 60
+        with pytest.raises(CommandError, match="ADVANCE is 20: expected 0 to 10 s"):
+            await bridge.call(Command.call("SET_PRESSURE_ADVANCE", ADVANCE=20))
+
+    bridged(test, tmp_path)
+
+
+def test_called_command_is_cancelled_and_overtaken_like_a_line(tmp_path):
+    async def test(bridge: LiveBridge, _):
+        wait = asyncio.create_task(bridge.call(Command.call("M109", S=200)))
+        await asyncio.sleep(1)
+        (report,) = await bridge.call(Command.call("M105"))
+        assert "/200.00" in report
+        await bridge.call(Command.call("M104", S=0, F=True))
+        assert not wait.done()
+        wait.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await wait
+        await bridge.call(Command.call("G28"))
+
+    bridged(test, tmp_path)
+
+
+def test_jog_that_fails_restores_the_state_that_it_has_saved(tmp_path):
+    async def test(bridge: LiveBridge, _):
+        await bridge.run("G28\nG90\nG1 X50 F3000\nG20")
+        saved, restored = (
+            Command.call(code, NAME="_ui_jog")
+            for code in ("SAVE_GCODE_STATE", "RESTORE_GCODE_STATE")
+        )
+        with pytest.raises(CommandError, match="beyond the limit"):
+            await bridge.call(saved, Command.call("G1", X=999, R="X", F=600), restored)
+        await bridge.call(saved, Command.call("G1", X=5, R="X", F=600), restored)
+        assert bridge._printer.rig.job.machine_position[0] == pytest.approx(55)
+        await bridge.run("G1 X2 F100")  # absolute, in inches
+        assert bridge._printer.rig.job.machine_position[0] == pytest.approx(50.8)
 
     bridged(test, tmp_path)
 

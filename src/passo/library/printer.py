@@ -23,6 +23,7 @@ from passo.console.client import Client, Reply
 from passo.console.printer_console import welcome
 from passo.console.session import Session, Wire
 from passo.errors import CommandError, MachineError
+from passo.gcode.command import Command, Given
 from passo.library.assembly import Assembly, assembled
 from passo.library.machine import Machine
 from passo.printer.unfit_commands import Skips
@@ -171,10 +172,18 @@ class Printer:
         line that has not started is dropped, and a wait ends as with M108; planned moves are still
         executed.
         """
+        return await self._console().send(line)
+
+    async def call(self, code: str, **given: Given) -> Reply:
+        """As `send`, for a command with values, by letter or key: `call("M106", P=0, S=128)`. True
+        is a letter alone; False and None are not given."""
+        return await self._console().execute(Command.call(code, **given))
+
+    def _console(self) -> Client:
         self._raise_if_ended()
         if self._client is None:
             self._client = Client(self._printer.control)
-        return await self._client.send(line)
+        return self._client
 
     async def print(self, path: str | os.PathLike[str]) -> PrintSummary:
         """Prints a file of this computer, and returns after the last move or the cancellation of
@@ -230,15 +239,15 @@ class Printer:
 
     async def pause(self) -> None:
         """Pauses the print from a file (M25): the machine brakes and parks."""
-        await self.send("M25")
+        await self.call("M25")
 
     async def resume(self) -> None:
         """Ends a pause, or continues after a line that failed (M24). Raises CommandError."""
-        await self.send("M24")
+        await self.call("M24")
 
     async def cancel(self) -> None:
         """Cancels the print from a file (M524): the machine brakes, heaters and fans go off."""
-        await self.send("M524")
+        await self.call("M524")
 
     @property
     def faults(self) -> dict[str, tuple[str, ...]]:
