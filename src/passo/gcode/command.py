@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Self, overload
 
 from passo import _core
 from passo.errors import CommandError, WordError
-from passo.gcode.parameters import Form, number_of
+from passo.gcode.parameters import LARGEST, Form, number_of
 from passo.gcode.registry import Declaration, Kind, row_of
 from passo.gcode.stray import stray_of
 
@@ -25,7 +25,6 @@ _PAIR = re.compile(
 )
 _QUOTED = re.compile(r"\\(.)", re.DOTALL)
 _ESCAPE = re.compile(rb"\\([0-9A-Fa-f]{2})")
-LARGEST = 1e9  # the limit for words of moves, too
 
 
 _PLAIN = re.compile(r"[\w.+-]+", re.ASCII)

@@ -12,6 +12,7 @@ from typing import TypedDict, Unpack
 
 from passo.errors import CommandError
 
+LARGEST = 1e9  # the limit for words of moves, too
 AXES = "ABCDEHIJKUVWXYZ"  # letters of axes, extruders and motors
 
 
@@ -121,9 +122,9 @@ def number_of(name: str, text: str) -> float:
         value = float(text)
     except ValueError:
         value = inf
-    if not isfinite(value):
-        shown = text[:30] or "missing"
-        raise CommandError.of("command.value", axis=name, value=shown, limit="a number")
+    if not abs(value) <= LARGEST:
+        shown, limit = text[:30] or "missing", "a number of at most 1e9"
+        raise CommandError.of("command.value", axis=name, value=shown, limit=limit)
     return value
 
 

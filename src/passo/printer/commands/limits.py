@@ -9,8 +9,8 @@ from passo.config.motor_roles import axis_order
 from passo.config.square_corner import deviation_mm
 from passo.config.types import MIN_ACCEL, MIN_SPEED
 from passo.errors import CommandError
-from passo.gcode.command import LARGEST, Command, numeral
-from passo.gcode.parameters import TOOL, axes, ignored, number
+from passo.gcode.command import Command, numeral
+from passo.gcode.parameters import LARGEST, TOOL, axes, ignored, number
 from passo.gcode.registry import Subject, When, command
 from passo.printer.commands.extruder_words import extruder_of, with_extruders
 
