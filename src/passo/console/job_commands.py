@@ -227,25 +227,27 @@ class JobCommands:
         "M226",
         Subject.STOPS,
         When.EXCLUSIVE,
-        "P S",
         "Waits until button P, counted from 0 in the machine file, is pressed (S1, the default) or"
         " released (S0), or has the other state (S-1); M108 ends the wait. Without P it pauses, as"
         " M601.",
+        integer("P", "the button", 0),
+        integer("S", "1: pressed, 0: released, -1: the other state", -1, 1, default=1),
         kind=Kind.USER,
     )
     def _wait_for_button(self, command: Command, reply: Reply) -> Wait | None:
-        words, names = command.words(), list(self._control.machine.buttons)
-        if "P" not in words:
+        names = list(self._control.machine.buttons)
+        at, level = command.integer("P", None), command.integer("S")
+        if at is None:
             return self._pause(command, reply)
-        if words["P"] not in range(len(names)):
+        if at not in range(len(names)):
             none = "a button of the machine file: it has none"
             limit = f"0 to {len(names) - 1}" if names else none
-            raise CommandError.bad_value("P", words["P"], limit)
-        name = names[int(words["P"])]
+            raise CommandError.bad_value("P", at, limit)
+        name = names[at]
 
         async def wait() -> None:
             pressed, state = self._buttons.pressed, self._control.state
-            wanted = words.get("S", 1) > 0 if words.get("S", 1) >= 0 else not pressed.get(name)
+            wanted = level > 0 if level >= 0 else not pressed.get(name)
             reply.say(f"echo:busy: waits for button {name}")
             await self._control.rig.queue.until(
                 lambda: state.interrupted or pressed.get(name, False) == wanted, idly=True

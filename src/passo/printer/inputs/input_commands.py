@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from passo.gcode.command import Command
+from passo.gcode.parameters import number
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.printer.wait_requests import Reply
 
@@ -26,16 +27,15 @@ class InputCommands:
         "M43",
         Subject.MOTORS,
         When.IMMEDIATE,
-        "W",
         "Reports the inputs of filament sensors and buttons; W1 also reports each change from now"
         " on, W0 ends that. M119 reports endstops.",
+        number("W", "1: reports each change, 0: no more"),
         kind=Kind.QUIET,
         lacks="The machine file has no filament sensor and no button.",
     )
     def _report(self, command: Command, reply: Reply) -> None:
-        words = command.words()
-        if "W" in words:
-            self._watches = words["W"] != 0
+        if command.has("W"):
+            self._watches = command.value("W") != 0
         active = self._inputs.active
         for name, pin in self._pins.items():
             reply.say(f"echo:{name} on pin {pin}: {_spoken(active.get(name))}")
