@@ -150,9 +150,9 @@ def test_jog_that_fails_restores_the_state_that_it_has_saved(tmp_path):
         with pytest.raises(CommandError, match="beyond the limit"):
             await bridge.call(saved, Command.call("G1", X=999, R="X", F=600), restored)
         await bridge.call(saved, Command.call("G1", X=5, R="X", F=600), restored)
-        assert bridge._printer.rig.job.machine_position[0] == pytest.approx(55)
+        assert bridge._control.rig.job.machine_position[0] == pytest.approx(55)
         await bridge.run("G1 X2 F100")  # absolute, in inches
-        assert bridge._printer.rig.job.machine_position[0] == pytest.approx(50.8)
+        assert bridge._control.rig.job.machine_position[0] == pytest.approx(50.8)
 
     bridged(test, tmp_path)
 

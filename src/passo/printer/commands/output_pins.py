@@ -8,7 +8,6 @@ from passo.config.part_names import found_name
 from passo.errors import CommandError
 from passo.gcode.parameters import ignored, integer, number, rest, text
 from passo.gcode.registry import Subject, When, command
-from passo.printer.commands.klipper_commands import number
 from passo.printer.commands.ranges import beyond
 from passo.printer.skipped_commands import SkippedCommand
 from passo.printer.stand_ins import PINS
