@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from passo.config.part_names import found_name
 from passo.errors import CommandError
+from passo.gcode.parameters import number, text
 from passo.gcode.registry import Subject, When, command
-from passo.printer.commands.klipper_commands import number
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -31,15 +31,16 @@ class FanTargets:
         "SET_TEMPERATURE_FAN_TARGET",
         Subject.OUTPUTS,
         When.PLANNED,
-        "TEMPERATURE_FAN TARGET(°C) MIN_SPEED(0-1) MAX_SPEED(0-1)",
         "Sets the temperature below which a fan keeps its sensor, at once; without TARGET the fan"
         " is off. The speeds limit its power until a restart.",
-        bare=None,
+        text("TEMPERATURE_FAN", "the name of the fan"),
+        number("TARGET", "the temperature; 0: off", "°C", 0, _MAX_C, default=0),
+        number("MIN_SPEED", "the least power", low=0, high=1),
+        number("MAX_SPEED", "the largest power", low=0, high=1),
         lacks="The machine file has no fan with a thermostat.",
     )
     def _set(self, command: Command, _: Reply) -> None:
-        words = command.pairs()
-        written = words.get("TEMPERATURE_FAN", words.get("temperature_fan", ""))
+        written = command.string("TEMPERATURE_FAN")
         name = found_name(self.targets_c, written)
         if name is None:
             limit = ", ".join(self.targets_c) or "none on this machine"
@@ -47,12 +48,8 @@ class FanTargets:
                 "command.value", axis="TEMPERATURE_FAN", value=written or "missing", limit=limit
             )
         low, high = self.powers[name]
-        low, high = number(words, "MIN_SPEED", low), number(words, "MAX_SPEED", high)
-        target = number(words, "TARGET", 0.0)
-        if not 0 <= low <= high <= 1:
+        low, high = command.value("MIN_SPEED", low), command.value("MAX_SPEED", high)
+        if low > high:
             value = f"{low:g} to {high:g}"
             raise CommandError.of("command.value", axis="speed", value=value, limit="0 to 1")
-        if not 0 <= target <= _MAX_C:
-            value = f"{target:g}"
-            raise CommandError.of("command.value", axis="TARGET", value=value, limit="0 to 1200")
-        self.powers[name], self.targets_c[name] = (low, high), target
+        self.powers[name], self.targets_c[name] = (low, high), command.value("TARGET")
