@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
-from passo.gcode.parameters import text
+from passo.gcode.parameters import rest
 from passo.gcode.registry import Subject, When, command
 from passo.printer.wait_requests import Reply
 
@@ -19,8 +19,7 @@ class NotYet:
         Subject.FILAMENT,
         When.PLANNED,
         f"Is refused. {_SYNC}",
-        text("EXTRUDER", "the name of the extruder"),
-        text("MOTION_QUEUE", "the name of the extruder that it follows"),
+        rest("EXTRUDER MOTION_QUEUE", "the extruder, and that which it follows"),
         lacks=_SYNC,
     )
     def _sync(self, command: Command, _: Reply) -> None:
