@@ -126,7 +126,7 @@ def test_a_word_without_a_number_is_bad_input(capsys, tmp_path, line, word):
 def test_letters_that_need_no_number_and_texts(capsys, tmp_path):
     path = tmp_path / "p.gcode"
     lines = ["G28 X Y W", "M84 X Y E", "M220 B", "M220 R", "M104 S nan", "M104 F S20", "M107 F"]
-    lines += ["M117 Print X of Y", "M0 Click S", "M20 L", "M23 Part.gco", 'M569 S1 X Y"a"', "M503"]
+    lines += ["M117 Print X of Y", "M0 Click S", "M20 L", "M23 Part.gco", "M569 S1 X Y", "M503"]
     path.write_text("\n".join([*lines, "G29 A J", "M862.3 P MK3S"]))
     warnings = printed(capsys, str(path), "--levelling", "skip")["warnings"]
     assert [w.split(": ")[1].split()[0] for w in warnings] == ["M569", "G29", "M0", "M23"]

@@ -32,7 +32,7 @@ WRONG = {
     "STEPPER_BUZZ STEPPER=fan": "STEPPER is fan: expected stepper_x",
     "SET_PRINT_STATS_INFO TOTAL_LAYER=1.5": "TOTAL_LAYER is 1.5: expected 0 to 1,000,000",
     "SET_PRESSURE_ADVANCE ADVANCE=20": "ADVANCE is 20: expected 0 to 10 s",
-    "SET_INPUT_SHAPER SHAPER_FREQ_X=fast": "SHAPER_FREQ_X is fast: expected a number",
+    "SET_INPUT_SHAPER SHAPER_FREQ_X=fast": "the word 'SHAPER_FREQ_X=fast' has no valid number",
     "M593 F5": "F is 5: expected 0 (off), or 15 to 500 Hz",
     "M85 S-1": "S is -1: expected 0 s or more",
 }

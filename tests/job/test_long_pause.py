@@ -124,4 +124,4 @@ def test_set_idle_timeout_counts_until_the_restart(idle):
     idle.passes(60)
     assert targets(idle)["bed"] == 0
     assert idle.positions()["x"] == pytest.approx(start + 5)
-    idle.host.send("SET_IDLE_TIMEOUT TIMEOUT=0").expect("more than 0 s")
+    idle.host.send("SET_IDLE_TIMEOUT TIMEOUT=0").expect("TIMEOUT is 0: expected more than 0")

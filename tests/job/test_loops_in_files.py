@@ -100,7 +100,7 @@ def test_print_with_loops_is_not_resumed_after_a_power_cut(tmp_path):
 @pytest.mark.parametrize(
     ("text", "line", "says"),
     [
-        ("SDCARD_LOOP_BEGIN\n", 2, "COUNT is missing: expected a whole number, 0 for"),
+        ("SDCARD_LOOP_BEGIN\n", 2, "SDCARD_LOOP_BEGIN needs COUNT="),
         ("SDCARD_LOOP_BEGIN COUNT=-1\n", 2, "COUNT is -1: expected"),
         ("SDCARD_LOOP_BEGIN COUNT=9\n" * 101, 102, "expected at most 100 loops within each other"),
         ("LOOPS\nG1 X5 F600\n", 2, "SDCARD_LOOP_BEGIN is in a macro"),

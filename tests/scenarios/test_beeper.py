@@ -111,7 +111,10 @@ def test_tone_beyond_board_is_limited(s):
 
 @pytest.mark.parametrize(
     ("line", "sentence"),
-    [("M300 S-1", "S is -1: expected 0 or more"), ("M300 P-5", "P is -5: expected 0 or more")],
+    [
+        ("M300 S-1", "S is -1: expected 0 Hz or more"),
+        ("M300 P-5", "P is -5: expected 0 ms or more"),
+    ],
 )
 def test_less_than_nothing_is_refused(s, line, sentence):
     assert sentence in s.host.ok(line)[0]

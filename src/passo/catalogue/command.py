@@ -62,6 +62,7 @@ COMMAND: Mapping[str, Entry] = {
         "{axis} is not there yet: {value}",
         "Take the command out of the file or the macro",
     ),
+    "command.missing-value": bad_input("command", "{axis} needs {value}", "Add it to the command"),
     "command.no-part": bad_input(
         "command",
         "{axis} does nothing here: {value}",

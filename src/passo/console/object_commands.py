@@ -5,7 +5,7 @@ from __future__ import annotations
 from passo import _core
 from passo.errors import CommandError
 from passo.gcode.command import Command
-from passo.gcode.parameters import rest, text
+from passo.gcode.parameters import rest
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.job.live.objects import PrintObjects
 from passo.printer.status import PrintObject
@@ -38,9 +38,7 @@ class ObjectCommands:
         When.IMMEDIATE,
         "NAME= cancels an object of a print from the SD card, CURRENT=1 the current one; RESET=1"
         " prints all again, with NAME= this one. Without parameters it lists the objects.",
-        text("NAME", "the object"),
-        text("CURRENT", "1: the object that is printed now"),
-        text("RESET", "1: prints it again"),
+        rest("NAME=TEXT CURRENT=1 RESET=1", "an object by its name, which may have blanks"),
     )
     def _order(self, command: Command, reply: Reply) -> Wait | None:
         """Executes M486. Raises CommandError."""
@@ -72,9 +70,7 @@ class ObjectCommands:
         Subject.PRINTS,
         When.IMMEDIATE,
         "Defines an object of a file on the SD card.",
-        text("NAME", "the object"),
-        text("CENTER", "its middle: X,Y in mm"),
-        text("POLYGON", "its outline: points in brackets"),
+        rest("NAME=TEXT CENTER=X,Y POLYGON=POINTS", "the object, its middle in mm and its outline"),
         kind=Kind.MOTION,
     )
     @command(
@@ -82,7 +78,7 @@ class ObjectCommands:
         Subject.PRINTS,
         When.IMMEDIATE,
         "Starts the lines of an object in a file.",
-        text("NAME", "the object"),
+        rest("NAME=TEXT", "the object"),
         kind=Kind.MOTION,
     )
     @command(
@@ -90,7 +86,7 @@ class ObjectCommands:
         Subject.PRINTS,
         When.IMMEDIATE,
         "Ends the lines of an object in a file.",
-        text("NAME", "the object"),
+        rest("NAME=TEXT", "the object"),
         kind=Kind.MOTION,
     )
     def _label(self, command: Command, reply: Reply) -> None:

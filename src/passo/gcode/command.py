@@ -129,7 +129,7 @@ class Command:
         for parameter in row.parameters:
             if parameter.required and not given.keys() & set(parameter.names):
                 wanted = " or ".join(parameter.names) + ("=" if self.keyed else "")
-                raise CommandError.of("input.missing-word", axis=self.code, value=wanted)
+                raise CommandError.of("command.missing-value", axis=self.code, value=wanted)
         for name, value in given.items():
             parameter = row.by_name.get(name)
             if parameter is None:
@@ -137,6 +137,9 @@ class Command:
             if parameter.form is Form.REFUSED:
                 raise CommandError.of("command.fixed", value=parameter.text)
             if isinstance(value, str):
+                stray = stray_of(value, any_character=False) if parameter.numeric else None
+                if stray is not None:
+                    raise WordError([stray])
                 parameter.check_text(name, value)
             elif value is not None:
                 parameter.check_number(name, value)
@@ -201,7 +204,7 @@ class Command:
         known = row.by_name.get(name) if row is not None else None
         if known is None or known.default is None:
             wanted = f"{name}=" if self.keyed else name
-            raise CommandError.of("input.missing-word", axis=self.code, value=wanted)
+            raise CommandError.of("command.missing-value", axis=self.code, value=wanted)
         return known.default
 
     @property

@@ -10,7 +10,7 @@ from enum import Enum
 from math import inf, isfinite
 from typing import TypedDict, Unpack
 
-from passo.errors import CommandError
+from passo.errors import CommandError, WordError
 
 LARGEST = 1e9  # the limit for words of moves, too
 AXES = "ABCDEHIJKUVWXYZ"  # letters of axes, extruders and motors
@@ -117,14 +117,13 @@ def _figure(value: float) -> str:
 
 
 def number_of(name: str, text: str) -> float:
-    """The number that the text of a key is. Raises CommandError."""
+    """The number that the text of a key is. Raises WordError."""
     try:
         value = float(text)
     except ValueError:
         value = inf
     if not abs(value) <= LARGEST:
-        shown, limit = text[:30] or "missing", "a number of at most 1e9"
-        raise CommandError.of("command.value", axis=name, value=shown, limit=limit)
+        raise WordError.of("input.number", value=f"{name}={text[:30]}" if text else name)
     return value
 
 

@@ -216,7 +216,7 @@ def test_layers_of_the_slicer_are_kept_until_the_next_print(tmp_path):
         await bridge.cancel_print()
         await asyncio.sleep(1)
         assert layers() == (4, 12)
-        with pytest.raises(CommandError, match="CURRENT_LAYER is x: expected a number"):
+        with pytest.raises(CommandError, match="'CURRENT_LAYER=x' has no valid number"):
             await bridge.run("SET_PRINT_STATS_INFO CURRENT_LAYER=x")
         await bridge.start_print("/part.gcode")
         await asyncio.sleep(1)

@@ -219,7 +219,8 @@ class Limits:
         ignored("ACCEL_TO_DECEL"),
     )
     def _velocity_limit(self, command: Command, reply: Reply) -> None:
-        values = {key: command.value(key) for key in command.pairs()}
+        known = (key for key in command.pairs() if key not in command.unknown())
+        values = {key: command.value(key) for key in known}
         corner, ratio = values.get(_KLIPPERS_CORNER), values.get("MINIMUM_CRUISE_RATIO")
         if ratio == 1:
             raise CommandError.bad_value("MINIMUM_CRUISE_RATIO", ratio, "0 to less than 1")

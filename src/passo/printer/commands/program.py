@@ -166,7 +166,7 @@ class Commands:
         command.check(self._machine, in_file=reply is None)
         if reply is None:
             for name in command.unknown():
-                self.omitted.count(SkippedCommand.PARAMETER, f"{name} of {code}", command.line)
+                self.omitted.count(SkippedCommand.PARAMETER, f"{name[:30]} of {code}", command.line)
         if code in self._left_out:
             return None
         handler = self._handler(code, Role.IN_PROGRAM, Role.DECLARED)

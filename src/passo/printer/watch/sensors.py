@@ -72,10 +72,11 @@ class SensorWatch:
         self._sensors = rig.machine.sensors
         self._seen = {name: _Seen() for name in self._sensors}
         self._host_s = -_HOST_S
+        self._loop = asyncio.get_running_loop()
 
     def time_passed(self) -> None:
         """Reads the sensors, and handles faults that last."""
-        now_s = asyncio.get_running_loop().time()
+        now_s = self._loop.time()
         host = now_s >= self._host_s + _HOST_S
         if host:
             self._host_s = now_s
