@@ -157,7 +157,7 @@ def test_parts_are_found_by_the_names_of_a_printer_cfg():
     [
         ("SET_HEATER_TEMPERATURE HEATER=oven TARGET=1", "HEATER is oven: expected extruder, heat"),
         ("SET_HEATER_TEMPERATURE TARGET=1", "HEATER is missing"),
-        ("SET_HEATER_TEMPERATURE HEATER=extruder TARGET=hot", "TARGET is hot: expected a number"),
+        ("SET_HEATER_TEMPERATURE HEATER=extruder TARGET=hot", "'TARGET=hot' has no valid number"),
         ("SET_FAN_SPEED FAN=case SPEED=1", "FAN is case: expected fan"),
         ("RESTORE_GCODE_STATE NAME=b", "NAME is b: expected a name that SAVE_GCODE_STATE"),
         ("PID_CALIBRATE HEATER=extruder", "needs TARGET="),

@@ -28,7 +28,7 @@ NOTES = {
     "M800": "M800 does nothing here. M1000 resumes a print",
     "EXCLUDE_OBJECT_START NAME=a": "EXCLUDE_OBJECT_START labels objects of a file on the card",
     "M205 X8 Y8 S0": "M205: X Y have no effect, because the machine's corners use the junction",
-    "SET_VELOCITY_LIMIT FOO=1 ACCEL=900": "SET_VELOCITY_LIMIT: FOO has no effect",
+    "SET_VELOCITY_LIMIT ACCEL_TO_DECEL=9": "SET_VELOCITY_LIMIT: ACCEL_TO_DECEL has no effect",
     "M106 X100": "M106 sets speeds, by S",
     "M106 P0 F250": "M106 sets no frequency; the machine file has it",
 }

@@ -181,7 +181,7 @@ def test_m666_has_reprap_signs_if_the_machine_file_sets_it():
         ("G33 P1", "P is 1: expected 3 to 10"),
         ("G33 F9", "F is 9: expected 6 or 7"),
         ("G33 R90", "R is 90: expected more than 0, at most 61.1"),
-        ("SET_DELTA RADIUS=nan", "RADIUS is nan: expected a number"),
+        ("SET_DELTA RADIUS=nan", "'RADIUS=nan' has no valid number"),
         ("SET_DELTA ROD_A=0", "ROD_A is 0: expected 1 to 10,000 mm"),
     ],
 )
