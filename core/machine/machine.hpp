@@ -100,7 +100,8 @@ struct Macros {
 };
 
 // Retraction by G10 and G11, until M207 and M208 set another one: lengths of filament, speeds, and
-// the rise of Z. A recover speed of 0 is that of the retraction; `swap_mm` is for a change of tools.
+// the rise of Z. A recover speed of 0 is that of the retraction; `swap_mm` is for a change of
+// tools.
 struct Retraction {
   double mm = 3, feed_mm_s = 45, hop_mm = 0, recover_mm = 0, recover_feed_mm_s = 0;
   double swap_mm = 13, swap_recover_mm = 0;
