@@ -16,7 +16,7 @@ const result = (page: Page) => page.getByRole("region", { name: "Changed setting
 test("a heater is tuned with its curve, undone, and a tune is cancelled", async ({ page }) => {
   await page.getByRole("button", { name: "Start" }).click();
   await page.getByRole("button", { name: "Cancel" }).click();
-  await page.getByText("Cancelled. Nothing is changed.").waitFor();
+  await page.getByText("Cancelled. Nothing is changed.").waitFor({ timeout: 30_000 });
   await page.getByRole("button", { name: "Start" }).click();
   await page.getByRole("img", { name: /Temperatures of hotend/ }).waitFor();
   const p = result(page).getByRole("row", { name: "M301 H0 P" });
