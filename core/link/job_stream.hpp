@@ -52,7 +52,7 @@ class JobStream {
   // The kickstart of a pin of this board. Other messages are not affected.
   void set_kick(size_t target, Kick kick);
   // The board clock at which a pin must be renewed, so that the board does not time out; kNever if
-  // there is none.
+  // no pin needs it.
   Ticks renew_at() const;
   // The command for a pin that is due at board clock `now`, after all commands on their way; empty
   // if none is due.
@@ -162,7 +162,7 @@ class JobStream {
   // their commit by then too, and by the clock of the commit before, at which the board would
   // brake.
   Ticks needed_at(const Message& m);
-  // Frees the slots that are free by now; returns false if there is none.
+  // Takes back the slots of commands that are done by `now`; returns false if no slot is free.
   bool free_slots(Ticks now);
 };
 

@@ -106,7 +106,7 @@ class Link {
   // lost.
   bool acknowledged() const;
   // Age in seconds of the oldest message that the board has not acknowledged, when its clock reads
-  // `clock`; 0 if there is none.
+  // `clock`; 0 if all are acknowledged.
   double unheard_s(Ticks clock) const;
   // The board has all messages of the job so far. If motion comes in commits, the board has
   // confirmed the commit that ends at standstill.

@@ -52,7 +52,7 @@ bool is_finalized(void);
 bool check_finalized(void);
 // Slots in the pool, 0 before the configuration is complete.
 uint16_t move_count(void);
-// Takes a slot; shuts down and returns null if there is none. If no slot is free,
+// Takes a slot; shuts down and returns null if none is free. Before that,
 // DECL_ON_POOL_EMPTY may free some first. Foreground.
 struct move *move_take(void);
 // Returns a slot to the pool. Any context.

@@ -42,7 +42,7 @@ static void set(struct output *output, uint32_t clock, uint32_t value) {
   write_level(output, value != 0);
 }
 
-// Writes the clock of the next event to timer->wake; returns false if there is none.
+// Writes the clock of the next event to timer->wake; returns false if no event follows.
 static bool plan(struct output *output) {
   bool any = false;
   uint32_t wake = 0;

@@ -34,7 +34,7 @@ void stepper_halt(struct stepper *stepper);
 // Puts a move into the tail of the next commit: `args` as those of survive_tail. Its interval
 // counts from the step before; with a count of 0 it is what reset_step_clock sets.
 void stepper_add_tail(struct stepper *stepper, const uint32_t *args);
-// Passes the next staged move with steps to the generator; returns false if there is none.
+// Passes the next staged move with steps to the generator; returns false if no such move is staged.
 bool stepper_give_staged(struct stepper *stepper);
 // Replaces the tail by the next tail.
 void stepper_take_tail(struct stepper *stepper);

@@ -84,7 +84,7 @@ class Disturbances(RuleBasedStateMachine):
         return self.s.assembly.services.jobs.runner.state
 
     def step(self, seconds: float, *lines: str) -> None:
-        """Sends these. While a board is away, what waits for it goes on waiting."""
+        """Sends these lines. While a board is lost, commands that wait for it keep waiting."""
         self.s.host.send(*lines)
         if self.away is None and lines:
             self.is_answered()

@@ -34,7 +34,7 @@ def test_print_with_link_losses_ends_at_same_steps(whole):
     card, wanted = whole
     generator = random.Random(1)
     with Scenario(FIRMWARE, card=str(card)) as s:
-        s.host.ok("M120")  # watched switches are asked for beside it
+        s.host.ok("M120")  # switches are queried during the print, too
         s.host.ok("M32 a.g")
         s.passes(14)  # it is at home by then
         breaks = 0

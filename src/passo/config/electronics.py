@@ -18,7 +18,7 @@ class Thermostat(Model):
     target_c: Annotated[float, Field(ge=0, le=1200)] = 40.0
     """The fan keeps the sensor below this temperature. 0: the fan is off."""
     hysteresis_c: NotNegative = 2.0
-    """Without gains, the fan goes on this far above the target, and off this far below it."""
+    """Without gains, the fan turns on this far above the target, and off this far below it."""
     kp: Positive | None = None
     """Proportional gain, in 1/255 of full power per °C, as in Klipper."""
     ki: NotNegative | None = None

@@ -9,39 +9,14 @@ from typing import TYPE_CHECKING
 from passo.catalogue import CATALOGUE
 from passo.console.session import Session
 from passo.errors import InputError, Problem
-from passo.printer.wait_requests import without_effect
+from passo.printer.all_consoles import ToAllConsoles
 
 if TYPE_CHECKING:
     from passo.printer.state import State
 
 
-class AllConsoles:
+class FileReply(ToAllConsoles):
     """Sends the answers to a file's commands to all consoles."""
-
-    def __init__(self, state: State) -> None:
-        self._state = state
-        self._noted: set[str] = set()
-
-    def say(self, text: str) -> None:
-        """Sends a line to all consoles."""
-        self._state.tell(text)
-
-    def note(self, about: str, text: str, *, again: bool = False) -> None:
-        """Sends a line to all consoles, once for each `about`, or each time if `again`."""
-        if again or about not in self._noted:
-            self._noted.add(about)
-            self._state.tell(f"echo:{text}")
-
-    def no_part(self, code: str, why: str) -> None:
-        """As a note."""
-        self.note(code, without_effect(code, why))
-
-    def with_ok(self, text: str) -> None:
-        """Sends the text as a line, because a file receives no `ok`."""
-        self._state.tell(text)
-
-    def warming(self, text: str) -> None:
-        """Does nothing, because consoles query temperatures with M105 during a print."""
 
     def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
         """Reports a refused command, with the problem that a print without consoles has for it."""

@@ -15,7 +15,7 @@ from passo.console.commands import ConsoleCommands
 from passo.console.job_commands import JobCommands
 from passo.console.json_status import JsonStatus
 from passo.console.object_commands import ObjectCommands
-from passo.console.printer_console import AllConsoles
+from passo.console.printer_console import FileReply
 from passo.console.recovery_commands import RecoveryCommands
 from passo.console.settings_commands import SettingsCommands
 from passo.errors import InputError
@@ -77,7 +77,7 @@ def assembled(
         if folder is not None:
             _hold(printer, folder)
         restarts = None if restart is None else (source, restart)
-        consoles = AllConsoles(printer.state)
+        consoles = FileReply(printer.state)
         jobs = build_jobs(
             printer.control, printer.parts, consoles, card=card, folder=folder, reports=reports
         )

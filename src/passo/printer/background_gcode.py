@@ -1,4 +1,4 @@
-"""G-code of the machine file that runs beside the consoles, such as that of a button."""
+"""G-code of the machine file that no console sends, such as the G-code of a button."""
 
 from __future__ import annotations
 
@@ -8,42 +8,17 @@ from collections.abc import Coroutine, Sequence
 from typing import TYPE_CHECKING, Any
 
 from passo.errors import PassoError, Problem
-from passo.printer.wait_requests import Stopped, without_effect
+from passo.printer.all_consoles import ToAllConsoles
+from passo.printer.wait_requests import Stopped
 
 if TYPE_CHECKING:
     from passo.printer.control import Control
-    from passo.printer.state import State
 
 _log = logging.getLogger(__name__)
 
 
-class _ToAllConsoles:
-    """A reply that sends the answers to such G-code to all consoles."""
-
-    def __init__(self, state: State) -> None:
-        self._state = state
-        self._noted: set[str] = set()
-
-    def say(self, text: str) -> None:
-        """Sends a line to all consoles."""
-        self._state.tell(text)
-
-    def note(self, about: str, text: str, *, again: bool = False) -> None:
-        """Sends a line to all consoles, once for each `about`, or each time if `again`."""
-        if again or about not in self._noted:
-            self._noted.add(about)
-            self._state.tell(f"echo:{text}")
-
-    def no_part(self, code: str, why: str) -> None:
-        """As a note."""
-        self.note(code, without_effect(code, why))
-
-    def with_ok(self, text: str) -> None:
-        """Sends the text as a line, because there is no `ok`."""
-        self._state.tell(text)
-
-    def warming(self, text: str) -> None:
-        """Does nothing: consoles query temperatures themselves."""
+class _Reply(ToAllConsoles):
+    """Sends the answers to such G-code to all consoles."""
 
     def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
         """Reports a refused command."""
@@ -58,7 +33,7 @@ class BackgroundGcode:
 
     def __init__(self, control: Control) -> None:
         self._control = control
-        self._reply = _ToAllConsoles(control.state)
+        self._reply = _Reply(control.state)
         self._tasks: set[asyncio.Task[object]] = set()
         control.lifetime.at_end(self._close)
 

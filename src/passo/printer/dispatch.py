@@ -369,14 +369,14 @@ class Dispatch:
     def _note(self, command: Command, row: Declaration | None, reply: Reply) -> None:
         """Reports why a command without a handler has no effect. Macros that are written for other
         printers continue; for a script that sends the line itself it is an error. Numbered codes
-        that only report or set are a note there, too: hosts send them to every printer."""
+        that change no print are a note there, too, because hosts send them to every printer."""
         itself = self._from_console and self._rig.job.program.macro_depth == 0
         if row is None:
             if not self._rig.commands.knows(command):
                 reply.say(f'echo:Unknown command: "{command.code}"')
         elif row.kind in _IDLE_KINDS:
             why = row.lacks or row.text
-            if itself and (row.kind is not Kind.QUIET or row.code[1].isalpha()):
+            if itself and (row.kind is not Kind.QUIET or command.keyed):
                 reply.no_part(row.code, why)
             else:
                 reply.note(row.code, without_effect(row.code, why))

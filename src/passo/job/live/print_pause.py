@@ -43,7 +43,7 @@ class PrintPause:
         self, reason: str, action: str, words: Mapping[str, float] = MappingProxyType({})
     ) -> None:
         """Brakes at once, parks (`words` are those of M600), and shows the reason and the next
-        action to the user. Returns when the file is paused; the pause itself goes on."""
+        action to the user. Returns when the file is paused; the pause itself continues."""
         control, runner = self._control, self._runner
         control.state.announce(_log, logging.WARNING, reason)
         if not runner.active:

@@ -50,12 +50,12 @@ HEATER = number("H", "the heater; -1 is the bed", default=0, also="E")
 
 
 def heater_in(command: Command, machine: MachineConfig) -> str:
-    """The heater that H (or E) of a command selects. Raises CommandError if there is none."""
+    """The heater that H (or E) of a command selects. Raises CommandError without such a heater."""
     return _heater(machine, command.integer("H", command.integer("E", 0)))
 
 
 def _heater(machine: MachineConfig, index: int) -> str:
-    """The heater with this H number. Raises CommandError if there is none."""
+    """The heater with this H number. Raises CommandError without such a heater."""
     kind = KINDS.get(index, "hotend")
     found = heater_of(machine, kind, max(index, 0))
     if found is None:

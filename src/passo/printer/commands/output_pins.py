@@ -162,7 +162,7 @@ class OutputPins:
 
     def _lacks(self, command: Command, reply: Reply) -> None:
         """Reports that the machine lacks the output. Macros, which are written for other printers,
-        go on."""
+        continue."""
         if self._job.program.macro_depth:
             reply.note(command.code, without_effect(command.code, _LACKS))
         else:

@@ -85,7 +85,7 @@ def simulated_board(
 
 def _input_switches(machine: MachineConfig) -> Iterator[InputSwitch]:
     """What is wired to the inputs of the simulated printer: filament of a given length, and buttons
-    that nobody presses."""
+    that are not pressed."""
     from passo.simulator import InputSwitch
 
     motors = dict(zip(machine.extruders, motors_of_extruders(machine), strict=True))
