@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from passo import _core
 from passo.board.configuration import Oids, adc_full, sensor_query
+from passo.config.sensor_tables import share_at
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -22,8 +22,8 @@ REPORTS = ("analog_in_state", "thermocouple_result")
 
 @dataclass(frozen=True, slots=True)
 class SensorReport:
-    """A reading in °C, at this clock of the board. `broken` tells an open or a shorted sensor, for
-    which the temperature is the end of the table."""
+    """A reading in °C, at this clock of the board. `broken` is the fault of an open or a shorted
+    sensor, whose temperature is the end of the table."""
 
     celsius: float
     clock: int
@@ -39,6 +39,11 @@ class ShownSensors:
         self._rest = {
             oid: sensor_query(board, s, dictionary).rest_ticks for oid, s in self._sensors.items()
         }
+        # rows (fraction of full scale, °C): share_at with these gives the temperature
+        self._by_share = {
+            oid: tuple(sorted((share, celsius) for celsius, share in s.table))
+            for oid, s in self._sensors.items()
+        }
         self._adc_full = adc_full(dictionary)
         self.last: dict[str, SensorReport] = {}
 
@@ -50,15 +55,14 @@ class ShownSensors:
                 continue
             clock = (int(values["next_clock"]) - self._rest[oid]) & 0xFFFFFFFF
             if sensor.spi is None:
-                share = _sum(values) / self._adc_full
+                share = _newest(values) / self._adc_full
             else:
                 share = _converted(sensor, int(values["value"]), int(values["fault"]))
-            self.last[sensor.name] = SensorReport(
-                _celsius(sensor, share), clock, _broken(sensor, share)
-            )
+            celsius = share_at(self._by_share[oid], share)
+            self.last[sensor.name] = SensorReport(celsius, clock, _broken(sensor, share))
 
 
-def _sum(values: Values) -> int:
+def _newest(values: Values) -> int:
     """The newest reading in a report: older firmware sends one number."""
     data = values.get("values")
     return int.from_bytes(data[-2:], "little") if isinstance(data, bytes) else int(values["value"])
@@ -73,17 +77,6 @@ def _converted(sensor: Sensor, word: int, faults: int) -> float:
     if fault in (_core.ConverterFault.NONE, _core.ConverterFault.OUT_OF_RANGE):
         return _core.converter_share(sensor.converter, value)
     return 1.0
-
-
-def _celsius(sensor: Sensor, share: float) -> float:
-    rows = sorted((share, celsius) for celsius, share in sensor.table)
-    (low, at_low), (high, at_high) = rows[0], rows[-1]
-    if not low < share < high:
-        return at_low if share <= low else at_high
-    for (s0, c0), (s1, c1) in itertools.pairwise(rows):
-        if share <= s1:
-            return c0 + (c1 - c0) * (share - s0) / (s1 - s0)
-    return at_high
 
 
 def _broken(sensor: Sensor, share: float) -> Broken:

@@ -56,7 +56,9 @@ class ButtonActions:
 
     def _pause(self, name: str) -> None:
         if self._print_pause.prints:
-            work = self._print_pause.pause(f"Button {name} has paused the print", "Look after it")
+            work = self._print_pause.pause(
+                f"Button {name} has paused the print", "Check the printer"
+            )
             self._background.spawn(work)
 
     def _resume(self) -> None:
