@@ -61,17 +61,17 @@ def test_the_least_accelerations_of_a_program_print(capsys, tmp_path, line):
 @pytest.mark.parametrize(
     ("line", "says"),
     [
-        ("M204 S0.00000000000000000000001", "M204: S is 1e-23: expected 0.1 mm/s² or more"),
-        ("M204 T0.0999", "M204: T is 0.0999: expected 0.1 mm/s² or more"),
-        ("M201 E0.05", "M201: E is 0.05: expected 0.1 mm/s² or more"),
-        ("M203 X0.0001", "M203: X is 0.0001: expected 0.001 mm/s or more"),
+        ("M204 S0.00000000000000000000001", "M204: S is 1e-23: expected at least 0.1 mm/s²"),
+        ("M204 T0.0999", "M204: T is 0.0999: expected at least 0.1 mm/s²"),
+        ("M201 E0.05", "M201: E is 0.05: expected at least 0.1 mm/s²"),
+        ("M203 X0.0001", "M203: X is 0.0001: expected at least 0.001 mm/s"),
         (
             "SET_VELOCITY_LIMIT VELOCITY=0.0001",
-            "SET_VELOCITY_LIMIT: VELOCITY is 0.0001: expected 0.001 mm/s or more",
+            "SET_VELOCITY_LIMIT: VELOCITY is 0.0001: expected at least 0.001 mm/s",
         ),
         (
             "SET_VELOCITY_LIMIT ACCEL=0.01",
-            "SET_VELOCITY_LIMIT: ACCEL is 0.01: expected 0.1 mm/s² or more",
+            "SET_VELOCITY_LIMIT: ACCEL is 0.01: expected at least 0.1 mm/s²",
         ),
     ],
 )

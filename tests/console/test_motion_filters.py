@@ -111,7 +111,7 @@ REFUSED = {
     "M593 F10": "F is 10: expected 0 (off), or 15 to 500 Hz",
     'M593 X F40 P"nope"': "type is nope: expected zv, mzv, zvd, ei, 2hump_ei, 3hump_ei, or ei(v",
     'M593 X F40 D0.35 P"3hump_ei"': "damping ratio is 0.35: expected 0 to 0.2 for the type 3hump",
-    "M900 K-1": "K is -1: expected 0 s or more",
+    "M900 K-1": "K is -1: expected at least 0 s",
     "M900 K30": "M900: K30 is of Linear Advance 1.0 and has no effect",
     "M572 D3 S0.1": "D is 3: expected an extruder below 1",
     "SET_PRESSURE_ADVANCE SMOOTH_TIME=0.5": "SMOOTH_TIME is 0.5: expected 0 to 0.2 s",

@@ -34,7 +34,7 @@ WRONG = {
     "SET_PRESSURE_ADVANCE ADVANCE=20": "ADVANCE is 20: expected 0 to 10 s",
     "SET_INPUT_SHAPER SHAPER_FREQ_X=fast": "the word 'SHAPER_FREQ_X=fast' has no valid number",
     "M593 F5": "F is 5: expected 0 (off), or 15 to 500 Hz",
-    "M85 S-1": "S is -1: expected 0 s or more",
+    "M85 S-1": "S is -1: expected at least 0 s",
 }
 
 
@@ -102,10 +102,10 @@ def test_every_parameter_says_what_it_is():
 
 
 def test_help_shows_a_command_with_its_parameters():
-    assert row_of("M572").help.endswith("Parameters: D(0 or more, default 0) S(0 to 10 s)")
+    assert row_of("M572").help.endswith("Parameters: D(at least 0, default 0) S(0 to 10 s)")
     with Scenario("i3") as s:
         assert s.host.ok("HELP m572")[1:3] == [
-            "echo:  D(0 or more, default 0): the extruder",
+            "echo:  D(at least 0, default 0): the extruder",
             "echo:  S(0 to 10 s): the advance",
         ]
         assert "HELP is M5: expected" not in s.host.ok("HELP M5")[0]

@@ -45,7 +45,7 @@ FILES = {  # a file, the line where it ends (0: its end), a part of the sentence
     "wrong word": ("G28\nM104 Sabc\nG1 X5\n", 2, "the word 'S' has no valid number"),
     "unsafe target": ("G28\nM104 S900\nG1 X5\n", 2, "is outside of its safe range"),
     "not there yet": ("G28\nSYNC_EXTRUDER_MOTION EXTRUDER=extruder\n", 2, "is not there yet"),
-    "idle time": ("G28\nM84 S-5\nG1 X5\n", 2, "S is -5: expected 0 s or more"),
+    "idle time": ("G28\nM84 S-5\nG1 X5\n", 2, "S is -5: expected at least 0 s"),
     "steps per mm": ("G28\nM92 X0\nG1 X5\n", 2, "X is 0: expected 0.001 to"),
     "microsteps": ("G28\nM350 X16\nG1 X5\n", 2, "steppers is fixed while the printer runs"),
     "another file": ("G28\nM23 b.gcode\nG1 X5\n", 2, "M23 controls prints from files"),

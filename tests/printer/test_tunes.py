@@ -278,7 +278,7 @@ def test_gains_are_set_in_the_usual_unit():
         assert s.host.ok("M301 H0")[0] == "M301 H0 P25.5 I2.55 D51"
         s.host.ok("M304 P10.2")
         assert s.printer.rig.connection.heaters["bed"].control.kp == 10.2
-        refused = "echo:P is -1: expected 0 or more"
+        refused = "echo:P is -1: expected at least 0"
         assert s.host.ok("M301 P-1 H-5")[0].startswith(refused)
         assert s.host.ok("M301 I3 P-1 H0")[0].startswith(refused)
         assert s.host.ok("M301 H0")[0] == "M301 H0 P25.5 I2.55 D51"

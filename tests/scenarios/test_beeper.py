@@ -112,8 +112,8 @@ def test_tone_beyond_board_is_limited(s):
 @pytest.mark.parametrize(
     ("line", "sentence"),
     [
-        ("M300 S-1", "S is -1: expected 0 Hz or more"),
-        ("M300 P-5", "P is -5: expected 0 ms or more"),
+        ("M300 S-1", "S is -1: expected at least 0 Hz"),
+        ("M300 P-5", "P is -5: expected at least 0 ms"),
     ],
 )
 def test_less_than_nothing_is_refused(s, line, sentence):

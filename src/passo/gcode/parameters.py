@@ -78,7 +78,7 @@ class Parameter:
             least = (
                 f"more than {_figure(self.low)}{unit}"
                 if self.above
-                else f"{_figure(self.low)}{unit} or more"
+                else f"at least {_figure(self.low)}{unit}"
             )
             return f"{off}{least}"
         return f"at most {_figure(self.high)}{unit}" if isfinite(self.high) else ""

@@ -50,7 +50,7 @@ class ColdExtrusion:
             meant = {self.hotend(int(words["T"]))}
         if "S" in words:
             if words["S"] < 0:
-                raise CommandError.bad_value("S", words["S"], "0 C or more")
+                raise CommandError.bad_value("S", words["S"], "at least 0 C")
             if "T" in words:
                 raise CommandError.bad_value("S", words["S"], "no S with T: S is for all tools")
             self.cold_c = words["S"]
