@@ -37,6 +37,7 @@ max_temp: 90
 gcode_id: C
 [temperature_sensor pi]
 sensor_type: temperature_host
+gcode_id: C
 [temperature_sensor mcu]
 sensor_type: temperature_mcu
 max_temp: 100
@@ -93,7 +94,8 @@ def test_sensors_keep_kind_range_and_letter(made):
     assert (chamber.letter, chamber.on_fault) == ("C", "machine")
     assert [s.sensor.kind for s in (chamber, pi, mcu)] == ["thermistor", "host", "chip"]
     assert (pi.on_fault, mcu.on_fault, mcu.max_c) == ("report", "machine", 100.0)
-    assert mcu.letter is None
+    assert (pi.letter, mcu.letter) == (None, None)
+    assert "it belongs to chamber" in "\n".join(remarks(made[0], "dropped"))
     assert "[temperature_sensor mcu] gcode_id: M105" in "\n".join(remarks(made[0], "changed"))
 
 

@@ -156,3 +156,15 @@ def test_impossible_sensors_are_refused_by_the_machine_file(old, new, limit):
     text = SENSORS.replace(old, new)
     with pytest.raises(ConfigError, match=limit):
         config.load_text(shipped_text("i3").replace("[fans.part]", f"{text}[fans.part]"))
+
+
+def test_letter_of_a_chamber_heater_is_no_sensors_letter():
+    heater = """[heaters.room]
+kind = "chamber"
+pin = "D4"
+sensor_pin = "T1"
+max_c = 60.0
+"""
+    text = shipped_text("i3").replace("[fans.part]", f"{heater}{SENSORS}[fans.part]")
+    with pytest.raises(ConfigError, match="it belongs to the chamber"):
+        config.load_text(text)

@@ -42,6 +42,8 @@ def check_shown_sensors(data: Raw) -> Iterator[Finding]:
     """Checks that sensors without a heater have a pin if they need one, a range, and a letter of
     their own."""
     letters = dict.fromkeys("TB", "the heaters")
+    if any(heater.get("kind") == "chamber" for _, heater in tables(data, "heaters")):
+        letters["C"] = "the chamber"
     for name, shown in tables(data, "sensors"):
         path, sensor = ("sensors", name), table(shown, "sensor")
         kind, board = sensor.get("kind"), sensor.get("board")

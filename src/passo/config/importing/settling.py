@@ -40,7 +40,7 @@ _PARTS = (
     _Part(("filament_sensors", _ANY), ("pin", "kind", "extruder")),
     _Part(("buttons", _ANY), ("pin",)),
     _Part(("outputs", _ANY)),
-    _Part(("sensors", _ANY)),
+    _Part(("sensors", _ANY), ("sensor", "sensor_pin", "min_c", "max_c")),
     _Part(("shaping", _ANY)),
     _Part(("steppers", _ANY, "tmc")),
     _Part(("homing", _ANY)),
