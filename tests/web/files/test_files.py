@@ -1,5 +1,6 @@
 """Files and folders of the card over HTTP."""
 
+import asyncio
 import base64
 
 import pytest
@@ -10,6 +11,7 @@ from tests.web.local_site import client, local_client, site
 from passo.errors import CardError, Problem
 from passo.job.batch.estimate import Estimate
 from passo.job.batch.verdict import Verdict
+from passo.web.files.metadata import MetadataReader
 
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 2
 API = "/api/v1"
@@ -190,6 +192,38 @@ def test_an_upload_is_planned_once_and_again_when_it_changes(web, bridge, tmp_pa
         web.put(f"{API}/files/content?path=a.gcode", content=content)
         assert known(web, "a.gcode")["state"] == "known"
     assert bridge.estimated == ["/a.gcode", "/a.gcode"]
+
+
+class SlowBridge(FakeBridge):
+    """Its plans take until `planned` is set."""
+
+    def __init__(self, card):
+        super().__init__(card)
+        self.begun, self.planned = asyncio.Event(), asyncio.Event()
+
+    async def verdict(self, path, take_path=None):
+        self.begun.set()
+        await self.planned.wait()
+        return await super().verdict(path, take_path)
+
+
+def test_the_file_of_the_newest_request_is_planned_first(tmp_path):
+    for name in "abcd":
+        (tmp_path / f"{name}.gcode").write_text("G28\n")
+
+    async def main():
+        bridge = SlowBridge(str(tmp_path))
+        reader = MetadataReader(bridge, None)
+        reader.want("/a.gcode")
+        await bridge.begun.wait()
+        events = [reader.want(f"/{name}.gcode") for name in "bcdb"]  # b is opened again
+        bridge.planned.set()
+        for event in events:
+            await event.wait()
+        assert events[0] is events[3]
+        assert bridge.estimated == [f"/{name}.gcode" for name in "abdc"]
+
+    asyncio.run(asyncio.wait_for(main(), 30))
 
 
 def test_what_is_known_outlives_the_program(tmp_path):

@@ -69,12 +69,14 @@ class Files {
     return entries.map((entry) => entry.name);
   }
 
-  /** Finds out about programs, one after the other, until all is known or no longer wanted. */
+  /** Finds out about programs, one after the other, until all is known or no longer wanted. The server
+   * plans the file of the newest request first: that is the selected one, then the first of `paths`. */
   async learn(paths: readonly string[], wanted: () => boolean): Promise<void> {
-    let waiting = paths;
+    let waiting = [...paths].reverse();
     while (waiting.length) {
       const pending: string[] = [];
-      for (const path of waiting) {
+      const last = waiting.filter((path) => path === this.selected);
+      for (const path of [...waiting.filter((path) => path !== this.selected), ...last]) {
         if (!wanted()) return;
         const found = await call<Metadata>("GET", `files/metadata?${query({ path })}`).catch(
           () => undefined, // it was removed meanwhile

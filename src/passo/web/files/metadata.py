@@ -81,7 +81,8 @@ class Metadata(Struct):
 
 class MetadataReader:
     """Reads the facts about the files of one printer. Use it in the web's event loop. Plans are
-    computed one after the other, in a process of low priority."""
+    computed one after the other, in a process of low priority: that of the newest request first,
+    because a user waits for it."""
 
     def __init__(self, bridge: Bridge, folder: Path | None) -> None:
         self._bridge = bridge
@@ -89,7 +90,8 @@ class MetadataReader:
         digest = hashlib.blake2b(made_for.encode(), digest_size=16).hexdigest()
         self._cache = MetadataCache(folder, digest)
         self._toolpaths = Toolpaths(folder, digest)
-        self._wanted: dict[str, asyncio.Event] = {}  # set when it is known
+        # The newest request is the last; the event is set when the plan is known.
+        self._wanted: dict[str, asyncio.Event] = {}
         self._task: asyncio.Task[None] | None = None
 
     async def get(self, path: str) -> Metadata:
@@ -116,15 +118,17 @@ class MetadataReader:
         return self._toolpaths.find(path, entry)
 
     def want(self, path: str) -> asyncio.Event:
-        """Requests the file's plan. The returned event is set when it is known."""
-        known = self._wanted.setdefault(path, asyncio.Event())
+        """Requests the file's plan, before those of earlier requests. The returned event is set
+        when it is known."""
+        known = self._wanted.pop(path, None) or asyncio.Event()
+        self._wanted[path] = known
         if self._task is None or self._task.done():
             self._task = asyncio.get_running_loop().create_task(self._work())
         return known
 
     async def _work(self) -> None:
         while self._wanted:
-            path = next(iter(self._wanted))
+            path = next(reversed(self._wanted))
             try:
                 await self._learn(path)
             except CardError:
