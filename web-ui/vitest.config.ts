@@ -23,9 +23,9 @@ export default defineConfig({
           name: "browser",
           include: ["tests/*.test.ts"],
           environment: "node",
-          testTimeout: 120_000, // on a computer that has other work, too
-          hookTimeout: 40_000,
-          expect: { poll: { timeout: 15_000 } },
+          testTimeout: 240_000, // on a computer that has other work, too
+          hookTimeout: 120_000,
+          expect: { poll: { timeout: 45_000 } },
           maxWorkers: 2,
           isolate: false, // a worker keeps what it has loaded
         },

@@ -38,7 +38,7 @@ export async function visit(
     hasTouch: width < 500,
   });
   const page = await context.newPage();
-  page.setDefaultTimeout(15_000);
+  page.setDefaultTimeout(45_000); // the server may have other work
   const faults: string[] = [];
   page.on("console", (message) => {
     if (message.type() === "error" || message.type() === "warning") faults.push(message.text());
@@ -75,7 +75,7 @@ export async function expectAccessible(page: Page): Promise<void> {
 export async function expectFits(page: Page): Promise<void> {
   const over = () =>
     page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
-  await expect.poll(over, { timeout: 5000 }).toBe(0);
+  await expect.poll(over).toBe(0);
 }
 
 /** Keeps a picture of the whole page, for people to look at. */

@@ -16,11 +16,11 @@ const result = (page: Page) => page.getByRole("region", { name: "Changed setting
 test("a heater is tuned with its curve, undone, and a tune is cancelled", async ({ page }) => {
   await page.getByRole("button", { name: "Start" }).click();
   await page.getByRole("button", { name: "Cancel" }).click();
-  await page.getByText("Cancelled. Nothing is changed.").waitFor({ timeout: 30_000 });
+  await page.getByText("Cancelled. Nothing is changed.").waitFor();
   await page.getByRole("button", { name: "Start" }).click();
   await page.getByRole("img", { name: /Temperatures of hotend/ }).waitFor();
   const p = result(page).getByRole("row", { name: "M301 H0 P" });
-  await p.waitFor({ timeout: 30_000 });
+  await p.waitFor();
   expect(await p.getByRole("cell").nth(1).textContent()).toBe("20.1316");
   await page.setViewportSize({ width: 360, height: 800 });
   await expectFits(page);
@@ -54,7 +54,7 @@ test("the bed is measured and shown as a map", async ({ page }) => {
   await page.getByText("The bed is not measured yet.").waitFor();
   await page.getByRole("button", { name: "Measure the bed" }).click();
   const map = page.getByRole("region", { name: "Heights of the bed in mm" });
-  await map.waitFor({ timeout: 30_000 });
+  await map.waitFor();
   expect(await map.getByRole("cell").count()).toBe(11 * 11 + 1);
   await page.getByText("surface, on").waitFor();
   await picture(page, "bed-measured-1280-light");
@@ -69,7 +69,7 @@ test("the probe is compared with a sheet of paper", async ({ page }) => {
   await open(page, "Paper test");
   await page.getByRole("button", { name: "Home, probe, and approach" }).click();
   const steps = page.getByRole("region", { name: "Height above the bed" });
-  await steps.waitFor({ timeout: 30_000 });
+  await steps.waitFor();
   const z = () => steps.locator("dd.live").textContent().then((text) => parseFloat(text ?? ""));
   const start = await z();
   for (let lower = 1; lower < 10; lower++) {
@@ -84,7 +84,7 @@ test("the probe is compared with a sheet of paper", async ({ page }) => {
   await result(page).getByRole("row", { name: "M851 Z" }).waitFor();
   await page.getByRole("button", { name: "Undo" }).click();
   await page.getByRole("button", { name: "Home, measure, and wait above the point" }).click();
-  await page.getByText("ProbeHeight@P1").waitFor({ timeout: 30_000 });
+  await page.getByText("ProbeHeight@P1").waitFor();
 });
 
 test("a shaper follows from ripples, and an advance from a tower", async ({ page }) => {

@@ -21,7 +21,7 @@ test("an axis can be moved once it is homed, and moves by the step", async ({ pa
   const right = page.getByRole("button", { name: "Move X by +10 mm" });
   expect(await right.isDisabled()).toBe(true);
   await page.getByRole("button", { name: "Home all" }).click();
-  await expect.poll(() => right.isEnabled(), { timeout: 15_000 }).toBe(true);
+  await expect.poll(() => right.isEnabled()).toBe(true);
   expect(await page.getByText("not homed").count()).toBe(0);
   await right.click();
   await position(page, "X").getByText("10.00").waitFor();
@@ -42,7 +42,7 @@ test("a heater heats to its target, and its field refuses what is too hot", asyn
   await target.fill("80");
   await target.press("Enter");
   const now = page.getByRole("group", { name: "hotend" }).locator(".now");
-  await expect.poll(async () => parseFloat((await now.textContent()) ?? ""), { timeout: 15_000 }).toBeGreaterThan(78);
+  await expect.poll(async () => parseFloat((await now.textContent()) ?? "")).toBeGreaterThan(78);
   await page.getByLabel("Usual targets of hotend").selectOption("Off");
   await expect.poll(() => target.inputValue()).toBe("");
 });

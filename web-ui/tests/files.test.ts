@@ -78,7 +78,7 @@ test("a refused file has its reasons, and ways on", async ({ page }) => {
   await card.locator(".chip", { hasText: "Finished" }).waitFor();
 });
 
-test("the details of a file are in view, however long the list is", async ({ page }) => {
+test("the details of a file are in view, however long the list is", async ({ page, served }) => {
   const names = Array.from({ length: 14 }, (_, i) => `part-${String(i).padStart(2, "0")}.gcode`);
   const buffer = Buffer.from("G28\nG1 X10 F3000\n");
   await page.locator("input[type=file]").setInputFiles(names.map((name) => ({ name, mimeType: "text/x.gcode", buffer })));
@@ -99,6 +99,12 @@ test("the details of a file are in view, however long the list is", async ({ pag
   await page.screenshot({ path: "../build/pictures/file-sheet-390-light.png" });
   await page.keyboard.press("Escape");
   await page.getByText("What limits the speed").waitFor({ state: "detached" });
+  await page.close();
+  for (const name of names) {
+    // The next test does not wait for their plans.
+    const removed = await page.context().request.delete(`${served.url}api/v1/files?path=${name}`, { headers: { "X-Passo-Request": "1" } });
+    expect(removed.status()).toBe(204);
+  }
 });
 
 test("prints wait in the queue, change places, and start when the bed is clear", async ({ page }) => {
@@ -168,7 +174,7 @@ test("a print is started, watched, paused and cancelled", async ({ page }) => {
   await expectAccessible(page);
   await picture(page, "interrupted-1280-light");
   await card.getByRole("button", { name: "Resume the print" }).click();
-  await card.locator(".chip", { hasText: "Printing" }).waitFor({ timeout: 30_000 });
+  await card.locator(".chip", { hasText: "Printing" }).waitFor();
   await card.getByRole("button", { name: "Cancel" }).click();
   await page.getByRole("button", { name: "Cancel the print" }).click();
   await card.locator(".chip", { hasText: "Cancelled" }).waitFor();

@@ -91,7 +91,7 @@ test("the firmware of a RAMPS is built, with its sizes, and downloaded", async (
   await page.getByRole("link", { name: "Machine" }).click();
   await page.getByText("Firmware", { exact: true }).click();
   await page.getByRole("button", { name: "Build the image" }).click();
-  await page.getByText("Done", { exact: true }).waitFor({ timeout: 35_000 });
+  await page.getByText("Done", { exact: true }).waitFor();
   expect(await page.getByRole("meter").count()).toBe(2);
   const [zip] = await Promise.all([
     page.waitForEvent("download"),
@@ -113,7 +113,7 @@ test("a board is flashed, with its step by hand and the log", async ({ page }) =
   await page.getByRole("button", { name: "Build the image" }).click();
   await page.getByRole("heading", { name: "Build of teensy3-mk20dx256" }).waitFor();
   const flash = page.getByRole("button", { name: "Flash the board" });
-  await flash.click({ timeout: 35_000 }); // once the image is built
+  await flash.click(); // once the image is built
   const dialog = page.getByRole("dialog", { name: "Flash teensy3-mk20dx256.hex?" });
   await dialog.waitFor();
   await expectAccessible(page);
@@ -135,7 +135,7 @@ test("without a probe, babysteps set Z to the paper", async ({ page }) => {
   await page.getByRole("link", { name: "Calibrate" }).click();
   await page.getByRole("link", { name: "Paper test" }).click();
   await page.getByRole("button", { name: "Home and approach" }).click();
-  await page.getByText("Now the test").waitFor({ timeout: 30_000 });
+  await page.getByText("Now the test").waitFor();
   expect(await page.getByText("Finished").count()).toBe(0);
   await page.getByRole("button", { name: "−0.05" }).click();
   await page.getByText("-0.050 mm").waitFor();

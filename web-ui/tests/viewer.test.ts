@@ -55,9 +55,9 @@ test("a print is followed", async ({ page }) => {
   await page.getByRole("button", { name: "Print", exact: true }).click();
   await page.getByRole("region", { name: "Print" }).locator(".chip", { hasText: "Printing" }).waitFor();
   await page.getByRole("link", { name: "Viewer" }).click();
-  await page.getByText("Follow the print").waitFor({ timeout: 30_000 }); // once the path is planned
+  await page.getByText("Follow the print").waitFor(); // once the path is planned
   const layer = () => slider(page, "Layer").inputValue().then(Number);
   // The slider shows the last layer until the position of the print is known.
-  await expect.poll(layer, { timeout: 30_000 }).toBeLessThan(14);
-  await expect.poll(layer, { timeout: 30_000 }).toBeGreaterThan(0);
+  await expect.poll(layer).toBeLessThan(14);
+  await expect.poll(layer).toBeGreaterThan(0);
 });
