@@ -1,9 +1,9 @@
 """Builds the page of web-ui/ into src/passo/web/static, if its sources have changed since the last
 build. Takes the system's Node if that is new enough, else the one of requirements/web.lock.
 
-Usage: build_page.py [--check | --test PROJECT]; with --check its types are checked; with --test
-tests run, `unit` or `browser`; PROJECT `pictures` makes those of docs/images, and `speed` prints
-how fast the page is.
+Usage: build_page.py [--check | --test PROJECT [FILE ...]]; with --check its types are checked; with
+--test tests run, `unit` or `browser`, or only those of the named files; PROJECT `pictures` makes
+those of docs/images, and `speed` prints how fast the page is.
 """
 
 from __future__ import annotations
@@ -52,8 +52,8 @@ def main(arguments: list[str]) -> int:
     match arguments:
         case ["--check"]:
             return run("svelte-check/bin/svelte-check", "--fail-on-warnings", "--output", "human")
-        case ["--test", project]:
-            return run("vitest/vitest.mjs", "run", "--project", project)
+        case ["--test", project, *names]:
+            return run("vitest/vitest.mjs", "run", "--project", project, *names)
         case _:
             return 0
 

@@ -32,8 +32,11 @@ RUN = (
     "level-a-gantry",
     "turn-bed-screws",
 )
-CHANGES = ("add-a-command", "add-a-sensor", "add-a-geometry", "add-a-motion-filter", "add-a-probe")
-COMPILED = ("add-a-geometry", "add-a-motion-filter")  # their tests are below
+CHANGES = (
+    *("add-a-command", "add-a-sensor", "add-a-geometry", "add-a-motion-filter", "add-a-probe"),
+    "add-an-endpoint",
+)
+SILENT = ("add-a-geometry", "add-a-motion-filter", "add-an-endpoint")  # they show no output
 
 
 def page(name: str) -> str:
@@ -115,7 +118,7 @@ def paths(folder: Path) -> str:
 def test_changes_of_how_to_apply_and_run(copy, name):
     apply(page(name), copy)
     shown = run(page(name), copy, paths(copy))
-    assert shown >= (0 if name in COMPILED else 2)
+    assert shown >= (0 if name in SILENT else 2)
     for number, code in enumerate(blocks(page(name), "python")):
         test = copy / f"test_{number}.py"
         test.write_text(code, encoding="utf-8")
@@ -252,3 +255,29 @@ def moved_mm(t: float) -> float:
     if t < 0.1:
         return 300 * t * t
     return 3 + 60 * (t - 0.1) if t < 0.2 else 12 - 300 * (0.3 - t) ** 2
+
+
+def test_added_calibration_task_sets_and_undoes_its_value(copy):
+    """The page of the copy, built with the added task, in a browser."""
+    shutil.copytree(
+        ROOT / "web-ui", copy / "web-ui", ignore=shutil.ignore_patterns("node_modules", "*.test.ts")
+    )
+    (copy / "web-ui/node_modules").symlink_to(ROOT / "web-ui/node_modules")
+    (copy / "tools").mkdir()
+    shutil.copy(ROOT / "tools/build_page.py", copy / "tools")
+    text = page("add-a-calibration-task")
+    apply(text, copy)
+    (test,) = blocks(text, "ts")
+    (copy / "web-ui/tests/backlash.test.ts").write_text(test, encoding="utf-8")
+    (copy / "demo.gcode").write_text("G28\n")
+    python = copy / "python"
+    python.write_text(f'#!/bin/sh\nPYTHONPATH={paths(copy)} exec "{sys.executable}" -S "$@"\n')
+    python.chmod(0o755)
+    environment = os.environ | {
+        "PASSO_PYTHON": str(python),
+        "PASSO_EXAMPLE": str(copy / "demo.gcode"),
+        "NO_COLOR": "1",
+    }
+    command = [sys.executable, "tools/build_page.py", "--test", "browser"]
+    done = subprocess.run(command, cwd=copy, env=environment, capture_output=True, text=True)
+    assert "1 passed" in done.stdout, done.stdout + done.stderr

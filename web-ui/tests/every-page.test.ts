@@ -1,9 +1,10 @@
+import { readdirSync } from "node:fs";
 import { expect } from "vitest";
 import { expectAccessible, expectFits, picture } from "./browser";
 import { testOf } from "./fixtures";
 
 const test = testOf({ machine: "i3-probe", clock: 20 });
-const TASKS = ["heater", "thermistor", "steps", "paper", "bed", "shaper", "advance"];
+const TASKS = readdirSync("src/calibrate/tasks").map((file) => file.replace(".svelte", "").toLowerCase());
 /** Each page, with what shows that it is complete. */
 const PAGES: Record<string, string> = {
   dashboard: "section.card",

@@ -28,396 +28,55 @@ class RequestError(Exception):
     fault: passo.web.answers.Fault
     def __init__(self, status: int, fault: passo.web.answers.Fault) -> None: ...
 
-class Status:
-    def get(
-        self,
-    ) -> passo.web.endpoints.status.StatusNow:
-        """The current status: state, positions, heaters, fans, the print, faults. The
-        WebSocket `/api/v1/feed` reports its changes. Numbers that are not finite are
-        null."""
-        ...
-    def version(
-        self,
-    ) -> passo.web.endpoints.status.Version:
-        """The version of Passo, and the name of its machine."""
-        ...
-    def places(
-        self,
-    ) -> builtins.list[str]:
-        """The addresses for hosts, browsers and Moonraker, each with its kind."""
-        ...
-
-class Faults:
+class Accounts:
     def list(
         self,
-    ) -> builtins.list[passo.printer.status.FaultStatus]:
-        """Why the printer is halted, as errors of the catalogue; empty while it runs.
-        `emergency.restart` starts it again."""
-        ...
-
-class Machine:
-    def get(
-        self,
-    ) -> passo.web.endpoints.machine.Machine:
-        """The parts of the machine. They do not change while the machine is served."""
-        ...
-    def file(
-        self,
-    ) -> passo.web.endpoints.machine_file.MachineFile:
-        """The current machine file, which may differ from the running machine."""
-        ...
-    def keys(
-        self,
-    ) -> builtins.list[passo.web.machine.keys.KeyValue]:
-        """All keys of the machine file with their values, the source of each value, and the
-        setting that overrides it. Secrets are not shown."""
-        ...
-    def schema(
-        self,
-    ) -> dict[str, typing.Any]:
-        """The JSON schema of the machine file: type, range, default and help of each key,
-        its unit as `x-unit`, and, as `x-acts`, whether a change takes effect `live` or
-        after a `restart`."""
-        ...
-    def validate(
-        self,
-        text: str,
-    ) -> passo.web.endpoints.machine_file.Validation:
-        """Checks a text like `passo check`, and reports all problems at once."""
-        ...
-    def diff(
-        self,
-        text: str,
-    ) -> passo.web.endpoints.machine_file.Difference:
-        """Compares a text with the running machine, and with its file."""
-        ...
-    def apply(
-        self,
-        text: str,
-        replaces: str,
-    ) -> passo.web.endpoints.machine_file.Applied:
-        """Writes the machine file, completely or not at all, if the text has no errors. A
-        copy of the earlier file is kept as FILE.toml.bak. Changes that commands can make
-        take effect at once; the answer names those that need a restart."""
-        ...
-    def save(
-        self,
-        text: str,
-    ) -> passo.web.endpoints.machine_file.SavedMachine:
-        """Saves a text as the user's file in place of the shipped machine that is served,
-        if the text has no errors. From the next `machine.restart` on, and at each later
-        start with the same `--machine` and `--state`, the printer is that of this file."""
-        ...
-    def restart(
-        self,
-    ) -> None:
-        """Ends the printer, and restarts it with the current machine file, with heaters off
-        and axes not homed. The command RESTART does the same; FIRMWARE_RESTART and M999 do
-        not read the machine file. Consoles and this connection are closed; connect again
-        after some seconds. Log-ins stay valid if the printer has a folder for them
-        (`--state`)."""
-        ...
-    def library(
-        self,
-    ) -> builtins.list[passo.web.endpoints.machine_file.ShippedMachine]:
-        """The machines that come with Passo."""
-        ...
-    def shipped(
-        self,
-        name: str,
-    ) -> passo.web.endpoints.machine_file.ShippedFile:
-        """The file of a machine that comes with Passo."""
-        ...
-
-class Firmware:
-    def boards(
-        self,
-    ) -> passo.web.endpoints.firmware.Boards:
-        """The boards of the machine, and all boards that come with Passo, with the steps
-        that each needs."""
-        ...
-    def build(
-        self,
-        board: str | None = ...,
-        text: str | None = ...,
-    ) -> passo.web.firmware.builds.Build:
-        """Starts a build of images in a separate process, one build at a time, while no
-        board is being flashed. The feed sends each line of the log; `firmware.last` has the
-        whole log."""
-        ...
-    def last(
-        self,
-    ) -> passo.web.firmware.builds.Build:
-        """The current or the last build, with its log and the sizes of its images."""
-        ...
-    def cancel(
-        self,
-    ) -> None:
-        """Ends the build that is running, if there is one."""
-        ...
-    def download(
-        self,
-    ) -> bytes:
-        """The images of the last build with their descriptions (JSON) and its log, as one
-        zip."""
-        ...
-    def ports(
-        self,
-    ) -> builtins.list[passo.web.firmware.ports.Port]:
-        """The ports of the computer of the printer through which a board may be flashed."""
-        ...
-    def flash(
-        self,
-        image: str,
-        port: str | None = ...,
-    ) -> passo.web.firmware.flashes.Flash:
-        """Starts to flash an image of the last build onto its board, in a separate process,
-        one board at a time. `firmware.flashing` has the log, and the manual steps. If there
-        are accounts, the password must have been entered within the last minutes."""
-        ...
-    def flashing(
-        self,
-    ) -> passo.web.firmware.flashes.Flash:
-        """The board that is being flashed, or the last one, with the log."""
-        ...
-    def confirm(
-        self,
-    ) -> None:
-        """Confirms that the manual step that `firmware.flashing` asks for is done."""
-        ...
-    def cancel_flash(
-        self,
-    ) -> None:
-        """Cancels flashing while it waits for a manual step. Has no effect while the image
-        is being written."""
-        ...
-
-class Emergency:
-    def stop(
-        self,
-    ) -> None:
-        """Switches heaters, motors and fans off at once (M112). The print is lost, and axes
-        are not homed any more."""
-        ...
-    def restart(
-        self,
-    ) -> None:
-        """Restarts a halted printer (M999); answers when it runs."""
-        ...
-
-class Job:
-    def start(
-        self,
-        path: str,
-        allow: builtins.list[typing.Literal['unknown', 'levelling', 'clamp', 'ignore_tools']] = ...,
-    ) -> None:
-        """Prints a file of the card."""
-        ...
-    def pause(
-        self,
-    ) -> None:
-        """Pauses the print: the machine brakes and parks."""
-        ...
-    def resume(
-        self,
-    ) -> None:
-        """Resumes a paused print."""
-        ...
-    def cancel(
-        self,
-    ) -> None:
-        """Ends the print; heaters and fans go off."""
-        ...
-    def cancel_object(
-        self,
-        number: int,
-        cancelled: bool,
-    ) -> None:
-        """Cancels an object of the print, or prints it again. `number` is its number in the
-        status."""
-        ...
-    def past(
-        self,
-        limit: int = ...,
-    ) -> builtins.list[passo.web.bridge.PastPrint]:
-        """The last finished prints, newest first."""
-        ...
-
-class Queue:
-    def get(
-        self,
-    ) -> passo.printer.status.Queue:
-        """The queued prints, the next one first. The queue survives a restart if the
-        printer has a folder for it (`--state`)."""
+    ) -> builtins.list[passo.web.endpoints.accounts.AccountRecord]:
+        """All accounts."""
         ...
     def add(
         self,
-        path: str,
-    ) -> passo.printer.status.QueuedPrint:
-        """Adds a file of the card at the end of the queue."""
+        name: str,
+        password: str,
+        role: typing.Literal['viewer', 'operator', 'admin'],
+    ) -> passo.web.endpoints.accounts.AccountRecord:
+        """Makes an account."""
+        ...
+    def change(
+        self,
+        name: str,
+        password: str | None = ...,
+        role: typing.Literal['viewer', 'operator', 'admin'] | None = ...,
+    ) -> passo.web.endpoints.accounts.AccountRecord:
+        """Changes the password or the role of an account, and ends its log-ins, except this
+        one."""
         ...
     def remove(
         self,
-        number: int,
+        name: str,
     ) -> None:
-        """Removes a print from the queue."""
-        ...
-    def move(
-        self,
-        number: int,
-        place: int,
-    ) -> None:
-        """Moves a print to another position: 0 is the next print; a position beyond the end
-        is the last."""
-        ...
-    def mode(
-        self,
-        automatic: bool,
-    ) -> None:
-        """Sets whether the next print starts without confirmation, or waits for
-        `queue.start` (the default)."""
-        ...
-    def start(
-        self,
-        bed_clear: bool,
-    ) -> None:
-        """Starts the next print, and removes it from the queue."""
+        """Removes an account and ends its log-ins. One administrator stays."""
         ...
 
-class Console:
-    def run(
-        self,
-        script: str,
-    ) -> passo.web.endpoints.console.Answer:
-        """Executes lines of G-code, one after the other, and answers when the last line is
-        done or planned. The first line that fails ends the script."""
-        ...
-    def end_wait(
-        self,
-    ) -> None:
-        """Ends the current wait (M108): for a temperature, a calibration, or a measurement
-        of the bed."""
-        ...
-    def history(
-        self,
-    ) -> builtins.list[passo.web.endpoints.console.Line]:
-        """The last lines of all consoles, oldest first, without secrets."""
-        ...
-    def commands(
-        self,
-    ) -> builtins.list[passo.web.endpoints.console.Command]:
-        """All commands of the printer."""
-        ...
-
-class Heaters:
+class Keys:
     def list(
         self,
-    ) -> dict[str, passo.printer.status.HeaterStatus]:
-        """All heaters by name."""
+    ) -> builtins.list[passo.web.endpoints.accounts.KeyRecord]:
+        """All API keys, without their secrets."""
         ...
-    def set(
+    def add(
         self,
         name: str,
-        celsius: float,
+        role: typing.Literal['viewer', 'operator', 'admin'] = ...,
+    ) -> passo.web.endpoints.accounts.MadeKey:
+        """Makes an API key for a slicer or a script, which sends it in the header `X-Api-
+        Key`."""
+        ...
+    def revoke(
+        self,
+        id: str,
     ) -> None:
-        """Sets the target of a heater at once, and does not wait until it is reached."""
-        ...
-
-class Fans:
-    def list(
-        self,
-    ) -> dict[str, float]:
-        """The last commanded speed of each fan, a fraction of full speed."""
-        ...
-    def set(
-        self,
-        name: str,
-        speed: float,
-    ) -> None:
-        """Sets the speed of a fan at once. Fans that follow a heater or the boards cannot
-        be set."""
-        ...
-
-class Motion:
-    def jog(
-        self,
-        distances_mm: dict[str, float],
-        speed_mm_s: float,
-    ) -> None:
-        """Moves axes by a distance, after the planned moves. Modes such as G91 and G20 stay
-        as they are, and do not affect the distances. The answer comes when the move is
-        planned."""
-        ...
-    def home(
-        self,
-        axes: builtins.list[str] = ...,
-    ) -> None:
-        """Homes axes; answers when they are homed."""
-        ...
-    def wait(
-        self,
-    ) -> None:
-        """Waits until all planned moves are done (M400)."""
-        ...
-    def motors_off(
-        self,
-    ) -> None:
-        """Switches the motors off at standstill; axes are not homed any more."""
-        ...
-
-class Tuning:
-    def set_speed(
-        self,
-        factor: float,
-    ) -> None:
-        """Scales the speed; during a print, also that of planned moves (M220)."""
-        ...
-    def set_flow(
-        self,
-        tool: int,
-        factor: float,
-    ) -> None:
-        """Scales the extrusion of a tool; during a print, also that of planned moves
-        (M221)."""
-        ...
-    def babystep(
-        self,
-        axis: str,
-        distance_mm: float,
-    ) -> None:
-        """Shifts all remaining moves along an axis, at once (M290)."""
-        ...
-
-class Settings:
-    def list(
-        self,
-    ) -> builtins.list[passo.web.bridge.SettingValue]:
-        """All settings. `source` is the source of the active value: `file` (the machine
-        file or its defaults), `stored` (M500), or `command` (changed since)."""
-        ...
-    def set(
-        self,
-        command: str,
-        word: str,
-        value: float | str,
-    ) -> None:
-        """Sets a value until the printer is restarted, or until `settings.store` stores
-        it."""
-        ...
-    def store(
-        self,
-    ) -> None:
-        """Stores the values that differ from the machine file (M500), durably."""
-        ...
-    def load(
-        self,
-    ) -> None:
-        """Restores the stored values (M501)."""
-        ...
-    def reset(
-        self,
-    ) -> None:
-        """Restores the values of the machine file (M502); stored values stay stored."""
+        """Makes a key invalid at once."""
         ...
 
 class Calibration:
@@ -483,20 +142,85 @@ class Calibration:
         """The active map of the bed, or the last one that was measured."""
         ...
 
-class Simulation:
-    def parts(
+class Console:
+    def run(
         self,
-    ) -> builtins.list[passo.web.bridge.SimulatedPart]:
-        """The parts of the simulated printer that can have faults; empty if the boards are
-        real."""
+        script: str,
+    ) -> passo.web.endpoints.console.Answer:
+        """Executes lines of G-code, one after the other, and answers when the last line is
+        done or planned. The first line that fails ends the script."""
         ...
-    def set_fault(
+    def end_wait(
         self,
-        part: str,
-        fault: str,
     ) -> None:
-        """Gives a part of the simulated printer a fault, or ends it, even while the printer
-        is halted (SIMULATE_FAULT)."""
+        """Ends the current wait (M108): for a temperature, a calibration, or a measurement
+        of the bed."""
+        ...
+    def history(
+        self,
+    ) -> builtins.list[passo.web.endpoints.console.Line]:
+        """The last lines of all consoles, oldest first, without secrets."""
+        ...
+    def commands(
+        self,
+    ) -> builtins.list[passo.web.endpoints.console.Command]:
+        """All commands of the printer."""
+        ...
+
+class Emergency:
+    def stop(
+        self,
+    ) -> None:
+        """Switches heaters, motors and fans off at once (M112). The print is lost, and axes
+        are not homed any more."""
+        ...
+    def restart(
+        self,
+    ) -> None:
+        """Restarts a halted printer (M999); answers when it runs."""
+        ...
+
+class Explain:
+    def file(
+        self,
+        path: str,
+        line: int,
+    ) -> passo.learn.explanation.Explanation:
+        """Explains a line of a file of the card, as `passo explain` shows it. A simulated
+        board prints the file until the line is done, which takes seconds for a late line of
+        a long file."""
+        ...
+    def line(
+        self,
+        line: str,
+        before: str = ...,
+        after: str = ...,
+    ) -> passo.learn.explanation.Explanation:
+        """Explains one line. All axes start at 0, before the lines of `before`. Nothing
+        moves."""
+        ...
+
+class Fans:
+    def list(
+        self,
+    ) -> dict[str, float]:
+        """The last commanded speed of each fan, a fraction of full speed."""
+        ...
+    def set(
+        self,
+        name: str,
+        speed: float,
+    ) -> None:
+        """Sets the speed of a fan at once. Fans that follow a heater or the boards cannot
+        be set."""
+        ...
+
+class Faults:
+    def list(
+        self,
+    ) -> builtins.list[passo.printer.status.FaultStatus]:
+        """Why the printer is halted, as errors of the catalogue; empty while it runs.
+        `emergency.restart` starts it again."""
         ...
 
 class Files:
@@ -595,6 +319,83 @@ class Folders:
         """Deletes an empty folder."""
         ...
 
+class Firmware:
+    def boards(
+        self,
+    ) -> passo.web.endpoints.firmware.Boards:
+        """The boards of the machine, and all boards that come with Passo, with the steps
+        that each needs."""
+        ...
+    def build(
+        self,
+        board: str | None = ...,
+        text: str | None = ...,
+    ) -> passo.web.firmware.builds.Build:
+        """Starts a build of images in a separate process, one build at a time, while no
+        board is being flashed. The feed sends each line of the log; `firmware.last` has the
+        whole log."""
+        ...
+    def last(
+        self,
+    ) -> passo.web.firmware.builds.Build:
+        """The current or the last build, with its log and the sizes of its images."""
+        ...
+    def cancel(
+        self,
+    ) -> None:
+        """Ends the build that is running, if there is one."""
+        ...
+    def download(
+        self,
+    ) -> bytes:
+        """The images of the last build with their descriptions (JSON) and its log, as one
+        zip."""
+        ...
+    def ports(
+        self,
+    ) -> builtins.list[passo.web.firmware.ports.Port]:
+        """The ports of the computer of the printer through which a board may be flashed."""
+        ...
+    def flash(
+        self,
+        image: str,
+        port: str | None = ...,
+    ) -> passo.web.firmware.flashes.Flash:
+        """Starts to flash an image of the last build onto its board, in a separate process,
+        one board at a time. `firmware.flashing` has the log, and the manual steps. If there
+        are accounts, the password must have been entered within the last minutes."""
+        ...
+    def flashing(
+        self,
+    ) -> passo.web.firmware.flashes.Flash:
+        """The board that is being flashed, or the last one, with the log."""
+        ...
+    def confirm(
+        self,
+    ) -> None:
+        """Confirms that the manual step that `firmware.flashing` asks for is done."""
+        ...
+    def cancel_flash(
+        self,
+    ) -> None:
+        """Cancels flashing while it waits for a manual step. Has no effect while the image
+        is being written."""
+        ...
+
+class Heaters:
+    def list(
+        self,
+    ) -> dict[str, passo.printer.status.HeaterStatus]:
+        """All heaters by name."""
+        ...
+    def set(
+        self,
+        name: str,
+        celsius: float,
+    ) -> None:
+        """Sets the target of a heater at once, and does not wait until it is reached."""
+        ...
+
 class History:
     def temperatures(
         self,
@@ -604,24 +405,42 @@ class History:
         last 15 minutes, and one every 15 s for the day before."""
         ...
 
-class Explain:
-    def file(
+class Job:
+    def start(
         self,
         path: str,
-        line: int,
-    ) -> passo.learn.explanation.Explanation:
-        """Explains a line of a file of the card, as `passo explain` shows it. A simulated
-        board prints the file until the line is done, which takes seconds for a late line of
-        a long file."""
+        allow: builtins.list[typing.Literal['unknown', 'levelling', 'clamp', 'ignore_tools']] = ...,
+    ) -> None:
+        """Prints a file of the card."""
         ...
-    def line(
+    def pause(
         self,
-        line: str,
-        before: str = ...,
-        after: str = ...,
-    ) -> passo.learn.explanation.Explanation:
-        """Explains one line. All axes start at 0, before the lines of `before`. Nothing
-        moves."""
+    ) -> None:
+        """Pauses the print: the machine brakes and parks."""
+        ...
+    def resume(
+        self,
+    ) -> None:
+        """Resumes a paused print."""
+        ...
+    def cancel(
+        self,
+    ) -> None:
+        """Ends the print; heaters and fans go off."""
+        ...
+    def cancel_object(
+        self,
+        number: int,
+        cancelled: bool,
+    ) -> None:
+        """Cancels an object of the print, or prints it again. `number` is its number in the
+        status."""
+        ...
+    def past(
+        self,
+        limit: int = ...,
+    ) -> builtins.list[passo.web.bridge.PastPrint]:
+        """The last finished prints, newest first."""
         ...
 
 class Logs:
@@ -635,6 +454,148 @@ class Logs:
         name: str,
     ) -> bytes:
         """One of these files, without passwords and keys."""
+        ...
+
+class Machine:
+    def get(
+        self,
+    ) -> passo.web.endpoints.machine.Machine:
+        """The parts of the machine. They do not change while the machine is served."""
+        ...
+    def file(
+        self,
+    ) -> passo.web.endpoints.machine_file.MachineFile:
+        """The current machine file, which may differ from the running machine."""
+        ...
+    def keys(
+        self,
+    ) -> builtins.list[passo.web.machine.keys.KeyValue]:
+        """All keys of the machine file with their values, the source of each value, and the
+        setting that overrides it. Secrets are not shown."""
+        ...
+    def schema(
+        self,
+    ) -> dict[str, typing.Any]:
+        """The JSON schema of the machine file: type, range, default and help of each key,
+        its unit as `x-unit`, and, as `x-acts`, whether a change takes effect `live` or
+        after a `restart`."""
+        ...
+    def validate(
+        self,
+        text: str,
+    ) -> passo.web.endpoints.machine_file.Validation:
+        """Checks a text like `passo check`, and reports all problems at once."""
+        ...
+    def diff(
+        self,
+        text: str,
+    ) -> passo.web.endpoints.machine_file.Difference:
+        """Compares a text with the running machine, and with its file."""
+        ...
+    def apply(
+        self,
+        text: str,
+        replaces: str,
+    ) -> passo.web.endpoints.machine_file.Applied:
+        """Writes the machine file, completely or not at all, if the text has no errors. A
+        copy of the earlier file is kept as FILE.toml.bak. Changes that commands can make
+        take effect at once; the answer names those that need a restart."""
+        ...
+    def save(
+        self,
+        text: str,
+    ) -> passo.web.endpoints.machine_file.SavedMachine:
+        """Saves a text as the user's file in place of the shipped machine that is served,
+        if the text has no errors. From the next `machine.restart` on, and at each later
+        start with the same `--machine` and `--state`, the printer is that of this file."""
+        ...
+    def restart(
+        self,
+    ) -> None:
+        """Ends the printer, and restarts it with the current machine file, with heaters off
+        and axes not homed. The command RESTART does the same; FIRMWARE_RESTART and M999 do
+        not read the machine file. Consoles and this connection are closed; connect again
+        after some seconds. Log-ins stay valid if the printer has a folder for them
+        (`--state`)."""
+        ...
+    def library(
+        self,
+    ) -> builtins.list[passo.web.endpoints.machine_file.ShippedMachine]:
+        """The machines that come with Passo."""
+        ...
+    def shipped(
+        self,
+        name: str,
+    ) -> passo.web.endpoints.machine_file.ShippedFile:
+        """The file of a machine that comes with Passo."""
+        ...
+
+class Motion:
+    def jog(
+        self,
+        distances_mm: dict[str, float],
+        speed_mm_s: float,
+    ) -> None:
+        """Moves axes by a distance, after the planned moves. Modes such as G91 and G20 stay
+        as they are, and do not affect the distances. The answer comes when the move is
+        planned."""
+        ...
+    def home(
+        self,
+        axes: builtins.list[str] = ...,
+    ) -> None:
+        """Homes axes; answers when they are homed."""
+        ...
+    def wait(
+        self,
+    ) -> None:
+        """Waits until all planned moves are done (M400)."""
+        ...
+    def motors_off(
+        self,
+    ) -> None:
+        """Switches the motors off at standstill; axes are not homed any more."""
+        ...
+
+class Queue:
+    def get(
+        self,
+    ) -> passo.printer.status.Queue:
+        """The queued prints, the next one first. The queue survives a restart if the
+        printer has a folder for it (`--state`)."""
+        ...
+    def add(
+        self,
+        path: str,
+    ) -> passo.printer.status.QueuedPrint:
+        """Adds a file of the card at the end of the queue."""
+        ...
+    def remove(
+        self,
+        number: int,
+    ) -> None:
+        """Removes a print from the queue."""
+        ...
+    def move(
+        self,
+        number: int,
+        place: int,
+    ) -> None:
+        """Moves a print to another position: 0 is the next print; a position beyond the end
+        is the last."""
+        ...
+    def mode(
+        self,
+        automatic: bool,
+    ) -> None:
+        """Sets whether the next print starts without confirmation, or waits for
+        `queue.start` (the default)."""
+        ...
+    def start(
+        self,
+        bed_clear: bool,
+    ) -> None:
+        """Starts the next print, and removes it from the queue."""
         ...
 
 class Session:
@@ -690,425 +651,14 @@ class Session:
         """Ends a log-in of the caller at once; an administrator can end any log-in."""
         ...
 
-class Accounts:
+class Settings:
     def list(
-        self,
-    ) -> builtins.list[passo.web.endpoints.accounts.AccountRecord]:
-        """All accounts."""
-        ...
-    def add(
-        self,
-        name: str,
-        password: str,
-        role: typing.Literal['viewer', 'operator', 'admin'],
-    ) -> passo.web.endpoints.accounts.AccountRecord:
-        """Makes an account."""
-        ...
-    def change(
-        self,
-        name: str,
-        password: str | None = ...,
-        role: typing.Literal['viewer', 'operator', 'admin'] | None = ...,
-    ) -> passo.web.endpoints.accounts.AccountRecord:
-        """Changes the password or the role of an account, and ends its log-ins, except this
-        one."""
-        ...
-    def remove(
-        self,
-        name: str,
-    ) -> None:
-        """Removes an account and ends its log-ins. One administrator stays."""
-        ...
-
-class Keys:
-    def list(
-        self,
-    ) -> builtins.list[passo.web.endpoints.accounts.KeyRecord]:
-        """All API keys, without their secrets."""
-        ...
-    def add(
-        self,
-        name: str,
-        role: typing.Literal['viewer', 'operator', 'admin'] = ...,
-    ) -> passo.web.endpoints.accounts.MadeKey:
-        """Makes an API key for a slicer or a script, which sends it in the header `X-Api-
-        Key`."""
-        ...
-    def revoke(
-        self,
-        id: str,
-    ) -> None:
-        """Makes a key invalid at once."""
-        ...
-
-class AsyncStatus:
-    async def get(
-        self,
-    ) -> passo.web.endpoints.status.StatusNow:
-        """The current status: state, positions, heaters, fans, the print, faults. The
-        WebSocket `/api/v1/feed` reports its changes. Numbers that are not finite are
-        null."""
-        ...
-    async def version(
-        self,
-    ) -> passo.web.endpoints.status.Version:
-        """The version of Passo, and the name of its machine."""
-        ...
-    async def places(
-        self,
-    ) -> builtins.list[str]:
-        """The addresses for hosts, browsers and Moonraker, each with its kind."""
-        ...
-
-class AsyncFaults:
-    async def list(
-        self,
-    ) -> builtins.list[passo.printer.status.FaultStatus]:
-        """Why the printer is halted, as errors of the catalogue; empty while it runs.
-        `emergency.restart` starts it again."""
-        ...
-
-class AsyncMachine:
-    async def get(
-        self,
-    ) -> passo.web.endpoints.machine.Machine:
-        """The parts of the machine. They do not change while the machine is served."""
-        ...
-    async def file(
-        self,
-    ) -> passo.web.endpoints.machine_file.MachineFile:
-        """The current machine file, which may differ from the running machine."""
-        ...
-    async def keys(
-        self,
-    ) -> builtins.list[passo.web.machine.keys.KeyValue]:
-        """All keys of the machine file with their values, the source of each value, and the
-        setting that overrides it. Secrets are not shown."""
-        ...
-    async def schema(
-        self,
-    ) -> dict[str, typing.Any]:
-        """The JSON schema of the machine file: type, range, default and help of each key,
-        its unit as `x-unit`, and, as `x-acts`, whether a change takes effect `live` or
-        after a `restart`."""
-        ...
-    async def validate(
-        self,
-        text: str,
-    ) -> passo.web.endpoints.machine_file.Validation:
-        """Checks a text like `passo check`, and reports all problems at once."""
-        ...
-    async def diff(
-        self,
-        text: str,
-    ) -> passo.web.endpoints.machine_file.Difference:
-        """Compares a text with the running machine, and with its file."""
-        ...
-    async def apply(
-        self,
-        text: str,
-        replaces: str,
-    ) -> passo.web.endpoints.machine_file.Applied:
-        """Writes the machine file, completely or not at all, if the text has no errors. A
-        copy of the earlier file is kept as FILE.toml.bak. Changes that commands can make
-        take effect at once; the answer names those that need a restart."""
-        ...
-    async def save(
-        self,
-        text: str,
-    ) -> passo.web.endpoints.machine_file.SavedMachine:
-        """Saves a text as the user's file in place of the shipped machine that is served,
-        if the text has no errors. From the next `machine.restart` on, and at each later
-        start with the same `--machine` and `--state`, the printer is that of this file."""
-        ...
-    async def restart(
-        self,
-    ) -> None:
-        """Ends the printer, and restarts it with the current machine file, with heaters off
-        and axes not homed. The command RESTART does the same; FIRMWARE_RESTART and M999 do
-        not read the machine file. Consoles and this connection are closed; connect again
-        after some seconds. Log-ins stay valid if the printer has a folder for them
-        (`--state`)."""
-        ...
-    async def library(
-        self,
-    ) -> builtins.list[passo.web.endpoints.machine_file.ShippedMachine]:
-        """The machines that come with Passo."""
-        ...
-    async def shipped(
-        self,
-        name: str,
-    ) -> passo.web.endpoints.machine_file.ShippedFile:
-        """The file of a machine that comes with Passo."""
-        ...
-
-class AsyncFirmware:
-    async def boards(
-        self,
-    ) -> passo.web.endpoints.firmware.Boards:
-        """The boards of the machine, and all boards that come with Passo, with the steps
-        that each needs."""
-        ...
-    async def build(
-        self,
-        board: str | None = ...,
-        text: str | None = ...,
-    ) -> passo.web.firmware.builds.Build:
-        """Starts a build of images in a separate process, one build at a time, while no
-        board is being flashed. The feed sends each line of the log; `firmware.last` has the
-        whole log."""
-        ...
-    async def last(
-        self,
-    ) -> passo.web.firmware.builds.Build:
-        """The current or the last build, with its log and the sizes of its images."""
-        ...
-    async def cancel(
-        self,
-    ) -> None:
-        """Ends the build that is running, if there is one."""
-        ...
-    async def download(
-        self,
-    ) -> bytes:
-        """The images of the last build with their descriptions (JSON) and its log, as one
-        zip."""
-        ...
-    async def ports(
-        self,
-    ) -> builtins.list[passo.web.firmware.ports.Port]:
-        """The ports of the computer of the printer through which a board may be flashed."""
-        ...
-    async def flash(
-        self,
-        image: str,
-        port: str | None = ...,
-    ) -> passo.web.firmware.flashes.Flash:
-        """Starts to flash an image of the last build onto its board, in a separate process,
-        one board at a time. `firmware.flashing` has the log, and the manual steps. If there
-        are accounts, the password must have been entered within the last minutes."""
-        ...
-    async def flashing(
-        self,
-    ) -> passo.web.firmware.flashes.Flash:
-        """The board that is being flashed, or the last one, with the log."""
-        ...
-    async def confirm(
-        self,
-    ) -> None:
-        """Confirms that the manual step that `firmware.flashing` asks for is done."""
-        ...
-    async def cancel_flash(
-        self,
-    ) -> None:
-        """Cancels flashing while it waits for a manual step. Has no effect while the image
-        is being written."""
-        ...
-
-class AsyncEmergency:
-    async def stop(
-        self,
-    ) -> None:
-        """Switches heaters, motors and fans off at once (M112). The print is lost, and axes
-        are not homed any more."""
-        ...
-    async def restart(
-        self,
-    ) -> None:
-        """Restarts a halted printer (M999); answers when it runs."""
-        ...
-
-class AsyncJob:
-    async def start(
-        self,
-        path: str,
-        allow: builtins.list[typing.Literal['unknown', 'levelling', 'clamp', 'ignore_tools']] = ...,
-    ) -> None:
-        """Prints a file of the card."""
-        ...
-    async def pause(
-        self,
-    ) -> None:
-        """Pauses the print: the machine brakes and parks."""
-        ...
-    async def resume(
-        self,
-    ) -> None:
-        """Resumes a paused print."""
-        ...
-    async def cancel(
-        self,
-    ) -> None:
-        """Ends the print; heaters and fans go off."""
-        ...
-    async def cancel_object(
-        self,
-        number: int,
-        cancelled: bool,
-    ) -> None:
-        """Cancels an object of the print, or prints it again. `number` is its number in the
-        status."""
-        ...
-    async def past(
-        self,
-        limit: int = ...,
-    ) -> builtins.list[passo.web.bridge.PastPrint]:
-        """The last finished prints, newest first."""
-        ...
-
-class AsyncQueue:
-    async def get(
-        self,
-    ) -> passo.printer.status.Queue:
-        """The queued prints, the next one first. The queue survives a restart if the
-        printer has a folder for it (`--state`)."""
-        ...
-    async def add(
-        self,
-        path: str,
-    ) -> passo.printer.status.QueuedPrint:
-        """Adds a file of the card at the end of the queue."""
-        ...
-    async def remove(
-        self,
-        number: int,
-    ) -> None:
-        """Removes a print from the queue."""
-        ...
-    async def move(
-        self,
-        number: int,
-        place: int,
-    ) -> None:
-        """Moves a print to another position: 0 is the next print; a position beyond the end
-        is the last."""
-        ...
-    async def mode(
-        self,
-        automatic: bool,
-    ) -> None:
-        """Sets whether the next print starts without confirmation, or waits for
-        `queue.start` (the default)."""
-        ...
-    async def start(
-        self,
-        bed_clear: bool,
-    ) -> None:
-        """Starts the next print, and removes it from the queue."""
-        ...
-
-class AsyncConsole:
-    async def run(
-        self,
-        script: str,
-    ) -> passo.web.endpoints.console.Answer:
-        """Executes lines of G-code, one after the other, and answers when the last line is
-        done or planned. The first line that fails ends the script."""
-        ...
-    async def end_wait(
-        self,
-    ) -> None:
-        """Ends the current wait (M108): for a temperature, a calibration, or a measurement
-        of the bed."""
-        ...
-    async def history(
-        self,
-    ) -> builtins.list[passo.web.endpoints.console.Line]:
-        """The last lines of all consoles, oldest first, without secrets."""
-        ...
-    async def commands(
-        self,
-    ) -> builtins.list[passo.web.endpoints.console.Command]:
-        """All commands of the printer."""
-        ...
-
-class AsyncHeaters:
-    async def list(
-        self,
-    ) -> dict[str, passo.printer.status.HeaterStatus]:
-        """All heaters by name."""
-        ...
-    async def set(
-        self,
-        name: str,
-        celsius: float,
-    ) -> None:
-        """Sets the target of a heater at once, and does not wait until it is reached."""
-        ...
-
-class AsyncFans:
-    async def list(
-        self,
-    ) -> dict[str, float]:
-        """The last commanded speed of each fan, a fraction of full speed."""
-        ...
-    async def set(
-        self,
-        name: str,
-        speed: float,
-    ) -> None:
-        """Sets the speed of a fan at once. Fans that follow a heater or the boards cannot
-        be set."""
-        ...
-
-class AsyncMotion:
-    async def jog(
-        self,
-        distances_mm: dict[str, float],
-        speed_mm_s: float,
-    ) -> None:
-        """Moves axes by a distance, after the planned moves. Modes such as G91 and G20 stay
-        as they are, and do not affect the distances. The answer comes when the move is
-        planned."""
-        ...
-    async def home(
-        self,
-        axes: builtins.list[str] = ...,
-    ) -> None:
-        """Homes axes; answers when they are homed."""
-        ...
-    async def wait(
-        self,
-    ) -> None:
-        """Waits until all planned moves are done (M400)."""
-        ...
-    async def motors_off(
-        self,
-    ) -> None:
-        """Switches the motors off at standstill; axes are not homed any more."""
-        ...
-
-class AsyncTuning:
-    async def set_speed(
-        self,
-        factor: float,
-    ) -> None:
-        """Scales the speed; during a print, also that of planned moves (M220)."""
-        ...
-    async def set_flow(
-        self,
-        tool: int,
-        factor: float,
-    ) -> None:
-        """Scales the extrusion of a tool; during a print, also that of planned moves
-        (M221)."""
-        ...
-    async def babystep(
-        self,
-        axis: str,
-        distance_mm: float,
-    ) -> None:
-        """Shifts all remaining moves along an axis, at once (M290)."""
-        ...
-
-class AsyncSettings:
-    async def list(
         self,
     ) -> builtins.list[passo.web.bridge.SettingValue]:
         """All settings. `source` is the source of the active value: `file` (the machine
         file or its defaults), `stored` (M500), or `command` (changed since)."""
         ...
-    async def set(
+    def set(
         self,
         command: str,
         word: str,
@@ -1117,20 +667,129 @@ class AsyncSettings:
         """Sets a value until the printer is restarted, or until `settings.store` stores
         it."""
         ...
-    async def store(
+    def store(
         self,
     ) -> None:
         """Stores the values that differ from the machine file (M500), durably."""
         ...
-    async def load(
+    def load(
         self,
     ) -> None:
         """Restores the stored values (M501)."""
         ...
-    async def reset(
+    def reset(
         self,
     ) -> None:
         """Restores the values of the machine file (M502); stored values stay stored."""
+        ...
+
+class Simulation:
+    def parts(
+        self,
+    ) -> builtins.list[passo.web.bridge.SimulatedPart]:
+        """The parts of the simulated printer that can have faults; empty if the boards are
+        real."""
+        ...
+    def set_fault(
+        self,
+        part: str,
+        fault: str,
+    ) -> None:
+        """Gives a part of the simulated printer a fault, or ends it, even while the printer
+        is halted (SIMULATE_FAULT)."""
+        ...
+
+class Status:
+    def get(
+        self,
+    ) -> passo.web.endpoints.status.StatusNow:
+        """The current status: state, positions, heaters, fans, the print, faults. The
+        WebSocket `/api/v1/feed` reports its changes. Numbers that are not finite are
+        null."""
+        ...
+    def version(
+        self,
+    ) -> passo.web.endpoints.status.Version:
+        """The version of Passo, and the name of its machine."""
+        ...
+    def places(
+        self,
+    ) -> builtins.list[str]:
+        """The addresses for hosts, browsers and Moonraker, each with its kind."""
+        ...
+
+class Tuning:
+    def set_speed(
+        self,
+        factor: float,
+    ) -> None:
+        """Scales the speed; during a print, also that of planned moves (M220)."""
+        ...
+    def set_flow(
+        self,
+        tool: int,
+        factor: float,
+    ) -> None:
+        """Scales the extrusion of a tool; during a print, also that of planned moves
+        (M221)."""
+        ...
+    def babystep(
+        self,
+        axis: str,
+        distance_mm: float,
+    ) -> None:
+        """Shifts all remaining moves along an axis, at once (M290)."""
+        ...
+
+class AsyncAccounts:
+    async def list(
+        self,
+    ) -> builtins.list[passo.web.endpoints.accounts.AccountRecord]:
+        """All accounts."""
+        ...
+    async def add(
+        self,
+        name: str,
+        password: str,
+        role: typing.Literal['viewer', 'operator', 'admin'],
+    ) -> passo.web.endpoints.accounts.AccountRecord:
+        """Makes an account."""
+        ...
+    async def change(
+        self,
+        name: str,
+        password: str | None = ...,
+        role: typing.Literal['viewer', 'operator', 'admin'] | None = ...,
+    ) -> passo.web.endpoints.accounts.AccountRecord:
+        """Changes the password or the role of an account, and ends its log-ins, except this
+        one."""
+        ...
+    async def remove(
+        self,
+        name: str,
+    ) -> None:
+        """Removes an account and ends its log-ins. One administrator stays."""
+        ...
+
+class AsyncKeys:
+    async def list(
+        self,
+    ) -> builtins.list[passo.web.endpoints.accounts.KeyRecord]:
+        """All API keys, without their secrets."""
+        ...
+    async def add(
+        self,
+        name: str,
+        role: typing.Literal['viewer', 'operator', 'admin'] = ...,
+    ) -> passo.web.endpoints.accounts.MadeKey:
+        """Makes an API key for a slicer or a script, which sends it in the header `X-Api-
+        Key`."""
+        ...
+    async def revoke(
+        self,
+        id: str,
+    ) -> None:
+        """Makes a key invalid at once."""
         ...
 
 class AsyncCalibration:
@@ -1196,20 +855,85 @@ class AsyncCalibration:
         """The active map of the bed, or the last one that was measured."""
         ...
 
-class AsyncSimulation:
-    async def parts(
+class AsyncConsole:
+    async def run(
         self,
-    ) -> builtins.list[passo.web.bridge.SimulatedPart]:
-        """The parts of the simulated printer that can have faults; empty if the boards are
-        real."""
+        script: str,
+    ) -> passo.web.endpoints.console.Answer:
+        """Executes lines of G-code, one after the other, and answers when the last line is
+        done or planned. The first line that fails ends the script."""
         ...
-    async def set_fault(
+    async def end_wait(
         self,
-        part: str,
-        fault: str,
     ) -> None:
-        """Gives a part of the simulated printer a fault, or ends it, even while the printer
-        is halted (SIMULATE_FAULT)."""
+        """Ends the current wait (M108): for a temperature, a calibration, or a measurement
+        of the bed."""
+        ...
+    async def history(
+        self,
+    ) -> builtins.list[passo.web.endpoints.console.Line]:
+        """The last lines of all consoles, oldest first, without secrets."""
+        ...
+    async def commands(
+        self,
+    ) -> builtins.list[passo.web.endpoints.console.Command]:
+        """All commands of the printer."""
+        ...
+
+class AsyncEmergency:
+    async def stop(
+        self,
+    ) -> None:
+        """Switches heaters, motors and fans off at once (M112). The print is lost, and axes
+        are not homed any more."""
+        ...
+    async def restart(
+        self,
+    ) -> None:
+        """Restarts a halted printer (M999); answers when it runs."""
+        ...
+
+class AsyncExplain:
+    async def file(
+        self,
+        path: str,
+        line: int,
+    ) -> passo.learn.explanation.Explanation:
+        """Explains a line of a file of the card, as `passo explain` shows it. A simulated
+        board prints the file until the line is done, which takes seconds for a late line of
+        a long file."""
+        ...
+    async def line(
+        self,
+        line: str,
+        before: str = ...,
+        after: str = ...,
+    ) -> passo.learn.explanation.Explanation:
+        """Explains one line. All axes start at 0, before the lines of `before`. Nothing
+        moves."""
+        ...
+
+class AsyncFans:
+    async def list(
+        self,
+    ) -> dict[str, float]:
+        """The last commanded speed of each fan, a fraction of full speed."""
+        ...
+    async def set(
+        self,
+        name: str,
+        speed: float,
+    ) -> None:
+        """Sets the speed of a fan at once. Fans that follow a heater or the boards cannot
+        be set."""
+        ...
+
+class AsyncFaults:
+    async def list(
+        self,
+    ) -> builtins.list[passo.printer.status.FaultStatus]:
+        """Why the printer is halted, as errors of the catalogue; empty while it runs.
+        `emergency.restart` starts it again."""
         ...
 
 class AsyncFiles:
@@ -1308,6 +1032,83 @@ class AsyncFolders:
         """Deletes an empty folder."""
         ...
 
+class AsyncFirmware:
+    async def boards(
+        self,
+    ) -> passo.web.endpoints.firmware.Boards:
+        """The boards of the machine, and all boards that come with Passo, with the steps
+        that each needs."""
+        ...
+    async def build(
+        self,
+        board: str | None = ...,
+        text: str | None = ...,
+    ) -> passo.web.firmware.builds.Build:
+        """Starts a build of images in a separate process, one build at a time, while no
+        board is being flashed. The feed sends each line of the log; `firmware.last` has the
+        whole log."""
+        ...
+    async def last(
+        self,
+    ) -> passo.web.firmware.builds.Build:
+        """The current or the last build, with its log and the sizes of its images."""
+        ...
+    async def cancel(
+        self,
+    ) -> None:
+        """Ends the build that is running, if there is one."""
+        ...
+    async def download(
+        self,
+    ) -> bytes:
+        """The images of the last build with their descriptions (JSON) and its log, as one
+        zip."""
+        ...
+    async def ports(
+        self,
+    ) -> builtins.list[passo.web.firmware.ports.Port]:
+        """The ports of the computer of the printer through which a board may be flashed."""
+        ...
+    async def flash(
+        self,
+        image: str,
+        port: str | None = ...,
+    ) -> passo.web.firmware.flashes.Flash:
+        """Starts to flash an image of the last build onto its board, in a separate process,
+        one board at a time. `firmware.flashing` has the log, and the manual steps. If there
+        are accounts, the password must have been entered within the last minutes."""
+        ...
+    async def flashing(
+        self,
+    ) -> passo.web.firmware.flashes.Flash:
+        """The board that is being flashed, or the last one, with the log."""
+        ...
+    async def confirm(
+        self,
+    ) -> None:
+        """Confirms that the manual step that `firmware.flashing` asks for is done."""
+        ...
+    async def cancel_flash(
+        self,
+    ) -> None:
+        """Cancels flashing while it waits for a manual step. Has no effect while the image
+        is being written."""
+        ...
+
+class AsyncHeaters:
+    async def list(
+        self,
+    ) -> dict[str, passo.printer.status.HeaterStatus]:
+        """All heaters by name."""
+        ...
+    async def set(
+        self,
+        name: str,
+        celsius: float,
+    ) -> None:
+        """Sets the target of a heater at once, and does not wait until it is reached."""
+        ...
+
 class AsyncHistory:
     async def temperatures(
         self,
@@ -1317,24 +1118,42 @@ class AsyncHistory:
         last 15 minutes, and one every 15 s for the day before."""
         ...
 
-class AsyncExplain:
-    async def file(
+class AsyncJob:
+    async def start(
         self,
         path: str,
-        line: int,
-    ) -> passo.learn.explanation.Explanation:
-        """Explains a line of a file of the card, as `passo explain` shows it. A simulated
-        board prints the file until the line is done, which takes seconds for a late line of
-        a long file."""
+        allow: builtins.list[typing.Literal['unknown', 'levelling', 'clamp', 'ignore_tools']] = ...,
+    ) -> None:
+        """Prints a file of the card."""
         ...
-    async def line(
+    async def pause(
         self,
-        line: str,
-        before: str = ...,
-        after: str = ...,
-    ) -> passo.learn.explanation.Explanation:
-        """Explains one line. All axes start at 0, before the lines of `before`. Nothing
-        moves."""
+    ) -> None:
+        """Pauses the print: the machine brakes and parks."""
+        ...
+    async def resume(
+        self,
+    ) -> None:
+        """Resumes a paused print."""
+        ...
+    async def cancel(
+        self,
+    ) -> None:
+        """Ends the print; heaters and fans go off."""
+        ...
+    async def cancel_object(
+        self,
+        number: int,
+        cancelled: bool,
+    ) -> None:
+        """Cancels an object of the print, or prints it again. `number` is its number in the
+        status."""
+        ...
+    async def past(
+        self,
+        limit: int = ...,
+    ) -> builtins.list[passo.web.bridge.PastPrint]:
+        """The last finished prints, newest first."""
         ...
 
 class AsyncLogs:
@@ -1348,6 +1167,148 @@ class AsyncLogs:
         name: str,
     ) -> bytes:
         """One of these files, without passwords and keys."""
+        ...
+
+class AsyncMachine:
+    async def get(
+        self,
+    ) -> passo.web.endpoints.machine.Machine:
+        """The parts of the machine. They do not change while the machine is served."""
+        ...
+    async def file(
+        self,
+    ) -> passo.web.endpoints.machine_file.MachineFile:
+        """The current machine file, which may differ from the running machine."""
+        ...
+    async def keys(
+        self,
+    ) -> builtins.list[passo.web.machine.keys.KeyValue]:
+        """All keys of the machine file with their values, the source of each value, and the
+        setting that overrides it. Secrets are not shown."""
+        ...
+    async def schema(
+        self,
+    ) -> dict[str, typing.Any]:
+        """The JSON schema of the machine file: type, range, default and help of each key,
+        its unit as `x-unit`, and, as `x-acts`, whether a change takes effect `live` or
+        after a `restart`."""
+        ...
+    async def validate(
+        self,
+        text: str,
+    ) -> passo.web.endpoints.machine_file.Validation:
+        """Checks a text like `passo check`, and reports all problems at once."""
+        ...
+    async def diff(
+        self,
+        text: str,
+    ) -> passo.web.endpoints.machine_file.Difference:
+        """Compares a text with the running machine, and with its file."""
+        ...
+    async def apply(
+        self,
+        text: str,
+        replaces: str,
+    ) -> passo.web.endpoints.machine_file.Applied:
+        """Writes the machine file, completely or not at all, if the text has no errors. A
+        copy of the earlier file is kept as FILE.toml.bak. Changes that commands can make
+        take effect at once; the answer names those that need a restart."""
+        ...
+    async def save(
+        self,
+        text: str,
+    ) -> passo.web.endpoints.machine_file.SavedMachine:
+        """Saves a text as the user's file in place of the shipped machine that is served,
+        if the text has no errors. From the next `machine.restart` on, and at each later
+        start with the same `--machine` and `--state`, the printer is that of this file."""
+        ...
+    async def restart(
+        self,
+    ) -> None:
+        """Ends the printer, and restarts it with the current machine file, with heaters off
+        and axes not homed. The command RESTART does the same; FIRMWARE_RESTART and M999 do
+        not read the machine file. Consoles and this connection are closed; connect again
+        after some seconds. Log-ins stay valid if the printer has a folder for them
+        (`--state`)."""
+        ...
+    async def library(
+        self,
+    ) -> builtins.list[passo.web.endpoints.machine_file.ShippedMachine]:
+        """The machines that come with Passo."""
+        ...
+    async def shipped(
+        self,
+        name: str,
+    ) -> passo.web.endpoints.machine_file.ShippedFile:
+        """The file of a machine that comes with Passo."""
+        ...
+
+class AsyncMotion:
+    async def jog(
+        self,
+        distances_mm: dict[str, float],
+        speed_mm_s: float,
+    ) -> None:
+        """Moves axes by a distance, after the planned moves. Modes such as G91 and G20 stay
+        as they are, and do not affect the distances. The answer comes when the move is
+        planned."""
+        ...
+    async def home(
+        self,
+        axes: builtins.list[str] = ...,
+    ) -> None:
+        """Homes axes; answers when they are homed."""
+        ...
+    async def wait(
+        self,
+    ) -> None:
+        """Waits until all planned moves are done (M400)."""
+        ...
+    async def motors_off(
+        self,
+    ) -> None:
+        """Switches the motors off at standstill; axes are not homed any more."""
+        ...
+
+class AsyncQueue:
+    async def get(
+        self,
+    ) -> passo.printer.status.Queue:
+        """The queued prints, the next one first. The queue survives a restart if the
+        printer has a folder for it (`--state`)."""
+        ...
+    async def add(
+        self,
+        path: str,
+    ) -> passo.printer.status.QueuedPrint:
+        """Adds a file of the card at the end of the queue."""
+        ...
+    async def remove(
+        self,
+        number: int,
+    ) -> None:
+        """Removes a print from the queue."""
+        ...
+    async def move(
+        self,
+        number: int,
+        place: int,
+    ) -> None:
+        """Moves a print to another position: 0 is the next print; a position beyond the end
+        is the last."""
+        ...
+    async def mode(
+        self,
+        automatic: bool,
+    ) -> None:
+        """Sets whether the next print starts without confirmation, or waits for
+        `queue.start` (the default)."""
+        ...
+    async def start(
+        self,
+        bed_clear: bool,
+    ) -> None:
+        """Starts the next print, and removes it from the queue."""
         ...
 
 class AsyncSession:
@@ -1403,55 +1364,94 @@ class AsyncSession:
         """Ends a log-in of the caller at once; an administrator can end any log-in."""
         ...
 
-class AsyncAccounts:
+class AsyncSettings:
     async def list(
         self,
-    ) -> builtins.list[passo.web.endpoints.accounts.AccountRecord]:
-        """All accounts."""
+    ) -> builtins.list[passo.web.bridge.SettingValue]:
+        """All settings. `source` is the source of the active value: `file` (the machine
+        file or its defaults), `stored` (M500), or `command` (changed since)."""
         ...
-    async def add(
+    async def set(
         self,
-        name: str,
-        password: str,
-        role: typing.Literal['viewer', 'operator', 'admin'],
-    ) -> passo.web.endpoints.accounts.AccountRecord:
-        """Makes an account."""
-        ...
-    async def change(
-        self,
-        name: str,
-        password: str | None = ...,
-        role: typing.Literal['viewer', 'operator', 'admin'] | None = ...,
-    ) -> passo.web.endpoints.accounts.AccountRecord:
-        """Changes the password or the role of an account, and ends its log-ins, except this
-        one."""
-        ...
-    async def remove(
-        self,
-        name: str,
+        command: str,
+        word: str,
+        value: float | str,
     ) -> None:
-        """Removes an account and ends its log-ins. One administrator stays."""
+        """Sets a value until the printer is restarted, or until `settings.store` stores
+        it."""
+        ...
+    async def store(
+        self,
+    ) -> None:
+        """Stores the values that differ from the machine file (M500), durably."""
+        ...
+    async def load(
+        self,
+    ) -> None:
+        """Restores the stored values (M501)."""
+        ...
+    async def reset(
+        self,
+    ) -> None:
+        """Restores the values of the machine file (M502); stored values stay stored."""
         ...
 
-class AsyncKeys:
-    async def list(
+class AsyncSimulation:
+    async def parts(
         self,
-    ) -> builtins.list[passo.web.endpoints.accounts.KeyRecord]:
-        """All API keys, without their secrets."""
+    ) -> builtins.list[passo.web.bridge.SimulatedPart]:
+        """The parts of the simulated printer that can have faults; empty if the boards are
+        real."""
         ...
-    async def add(
+    async def set_fault(
         self,
-        name: str,
-        role: typing.Literal['viewer', 'operator', 'admin'] = ...,
-    ) -> passo.web.endpoints.accounts.MadeKey:
-        """Makes an API key for a slicer or a script, which sends it in the header `X-Api-
-        Key`."""
-        ...
-    async def revoke(
-        self,
-        id: str,
+        part: str,
+        fault: str,
     ) -> None:
-        """Makes a key invalid at once."""
+        """Gives a part of the simulated printer a fault, or ends it, even while the printer
+        is halted (SIMULATE_FAULT)."""
+        ...
+
+class AsyncStatus:
+    async def get(
+        self,
+    ) -> passo.web.endpoints.status.StatusNow:
+        """The current status: state, positions, heaters, fans, the print, faults. The
+        WebSocket `/api/v1/feed` reports its changes. Numbers that are not finite are
+        null."""
+        ...
+    async def version(
+        self,
+    ) -> passo.web.endpoints.status.Version:
+        """The version of Passo, and the name of its machine."""
+        ...
+    async def places(
+        self,
+    ) -> builtins.list[str]:
+        """The addresses for hosts, browsers and Moonraker, each with its kind."""
+        ...
+
+class AsyncTuning:
+    async def set_speed(
+        self,
+        factor: float,
+    ) -> None:
+        """Scales the speed; during a print, also that of planned moves (M220)."""
+        ...
+    async def set_flow(
+        self,
+        tool: int,
+        factor: float,
+    ) -> None:
+        """Scales the extrusion of a tool; during a print, also that of planned moves
+        (M221)."""
+        ...
+    async def babystep(
+        self,
+        axis: str,
+        distance_mm: float,
+    ) -> None:
+        """Shifts all remaining moves along an axis, at once (M290)."""
         ...
 
 class Client:
@@ -1462,51 +1462,51 @@ class Client:
     ) -> None: ...
 
     @property
-    def status(self) -> Status: ...
+    def accounts(self) -> Accounts: ...
     @property
-    def faults(self) -> Faults: ...
-    @property
-    def machine(self) -> Machine: ...
-    @property
-    def firmware(self) -> Firmware: ...
-    @property
-    def emergency(self) -> Emergency: ...
-    @property
-    def job(self) -> Job: ...
-    @property
-    def queue(self) -> Queue: ...
-    @property
-    def console(self) -> Console: ...
-    @property
-    def heaters(self) -> Heaters: ...
-    @property
-    def fans(self) -> Fans: ...
-    @property
-    def motion(self) -> Motion: ...
-    @property
-    def tuning(self) -> Tuning: ...
-    @property
-    def settings(self) -> Settings: ...
+    def keys(self) -> Keys: ...
     @property
     def calibration(self) -> Calibration: ...
     @property
-    def simulation(self) -> Simulation: ...
+    def console(self) -> Console: ...
+    @property
+    def emergency(self) -> Emergency: ...
+    @property
+    def explain(self) -> Explain: ...
+    @property
+    def fans(self) -> Fans: ...
+    @property
+    def faults(self) -> Faults: ...
     @property
     def files(self) -> Files: ...
     @property
     def folders(self) -> Folders: ...
     @property
+    def firmware(self) -> Firmware: ...
+    @property
+    def heaters(self) -> Heaters: ...
+    @property
     def history(self) -> History: ...
     @property
-    def explain(self) -> Explain: ...
+    def job(self) -> Job: ...
     @property
     def logs(self) -> Logs: ...
     @property
+    def machine(self) -> Machine: ...
+    @property
+    def motion(self) -> Motion: ...
+    @property
+    def queue(self) -> Queue: ...
+    @property
     def session(self) -> Session: ...
     @property
-    def accounts(self) -> Accounts: ...
+    def settings(self) -> Settings: ...
     @property
-    def keys(self) -> Keys: ...
+    def simulation(self) -> Simulation: ...
+    @property
+    def status(self) -> Status: ...
+    @property
+    def tuning(self) -> Tuning: ...
 
 class AsyncClient:
     """As `Client`, with calls to await."""
@@ -1516,48 +1516,48 @@ class AsyncClient:
     ) -> None: ...
 
     @property
-    def status(self) -> AsyncStatus: ...
+    def accounts(self) -> AsyncAccounts: ...
     @property
-    def faults(self) -> AsyncFaults: ...
-    @property
-    def machine(self) -> AsyncMachine: ...
-    @property
-    def firmware(self) -> AsyncFirmware: ...
-    @property
-    def emergency(self) -> AsyncEmergency: ...
-    @property
-    def job(self) -> AsyncJob: ...
-    @property
-    def queue(self) -> AsyncQueue: ...
-    @property
-    def console(self) -> AsyncConsole: ...
-    @property
-    def heaters(self) -> AsyncHeaters: ...
-    @property
-    def fans(self) -> AsyncFans: ...
-    @property
-    def motion(self) -> AsyncMotion: ...
-    @property
-    def tuning(self) -> AsyncTuning: ...
-    @property
-    def settings(self) -> AsyncSettings: ...
+    def keys(self) -> AsyncKeys: ...
     @property
     def calibration(self) -> AsyncCalibration: ...
     @property
-    def simulation(self) -> AsyncSimulation: ...
+    def console(self) -> AsyncConsole: ...
+    @property
+    def emergency(self) -> AsyncEmergency: ...
+    @property
+    def explain(self) -> AsyncExplain: ...
+    @property
+    def fans(self) -> AsyncFans: ...
+    @property
+    def faults(self) -> AsyncFaults: ...
     @property
     def files(self) -> AsyncFiles: ...
     @property
     def folders(self) -> AsyncFolders: ...
     @property
+    def firmware(self) -> AsyncFirmware: ...
+    @property
+    def heaters(self) -> AsyncHeaters: ...
+    @property
     def history(self) -> AsyncHistory: ...
     @property
-    def explain(self) -> AsyncExplain: ...
+    def job(self) -> AsyncJob: ...
     @property
     def logs(self) -> AsyncLogs: ...
     @property
+    def machine(self) -> AsyncMachine: ...
+    @property
+    def motion(self) -> AsyncMotion: ...
+    @property
+    def queue(self) -> AsyncQueue: ...
+    @property
     def session(self) -> AsyncSession: ...
     @property
-    def accounts(self) -> AsyncAccounts: ...
+    def settings(self) -> AsyncSettings: ...
     @property
-    def keys(self) -> AsyncKeys: ...
+    def simulation(self) -> AsyncSimulation: ...
+    @property
+    def status(self) -> AsyncStatus: ...
+    @property
+    def tuning(self) -> AsyncTuning: ...

@@ -3,71 +3,22 @@ reference and the Python client are made from it."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from importlib import import_module
+from pkgutil import iter_modules
 from types import ModuleType
 
-from passo.web.endpoints import (
-    accounts,
-    calibration,
-    console,
-    emergency,
-    explain,
-    fans,
-    faults,
-    files,
-    firmware,
-    heaters,
-    history,
-    job,
-    logs,
-    machine,
-    machine_file,
-    metrics,
-    motion,
-    queue,
-    session,
-    settings,
-    simulation,
-    status,
-    tuning,
-)
+from passo.web import endpoints, slicers
 from passo.web.operation import Operation
-from passo.web.slicers import moonraker, octoprint, prusalink, rrf
 
 
-def _declared(module: ModuleType) -> list[Operation]:
-    return [value for value in vars(module).values() if isinstance(value, Operation)]
+def _declared(package: ModuleType) -> Iterator[Operation]:
+    """The operations of the modules of a package, in the order of their names."""
+    for found in sorted(iter_modules(package.__path__), key=lambda module: module.name):
+        module = import_module(f"{package.__name__}.{found.name}")
+        yield from (value for value in vars(module).values() if isinstance(value, Operation))
 
 
-_MODULES = (
-    *(
-        status,
-        faults,
-        machine,
-        machine_file,
-        firmware,
-        emergency,
-        job,
-        queue,
-        console,
-        heaters,
-        fans,
-    ),
-    *(
-        motion,
-        tuning,
-        settings,
-        calibration,
-        simulation,
-        files,
-        history,
-        explain,
-        logs,
-        session,
-        accounts,
-        metrics,
-    ),
-    *(octoprint, prusalink, moonraker, rrf),
-)
-OPERATIONS: tuple[Operation, ...] = tuple(
-    operation for module in _MODULES for operation in _declared(module)
-)
+OPERATIONS: tuple[Operation, ...] = (*_declared(endpoints), *_declared(slicers))
+"""The operations for clients, one module for each subject. Each handler declares its row of the
+table."""

@@ -2,11 +2,12 @@
 
 import { call, Refusal } from "../api/client";
 import type { BedMap, SettingValue, Thermistor, ThermistorFit } from "../api/schema";
+import type { Key } from "../text/index.svelte";
 import { attempt, notices } from "./actions.svelte";
 import { printer } from "./printer.svelte";
 
-export const TASKS = ["heater", "thermistor", "steps", "paper", "bed", "shaper", "advance"] as const;
-export type TaskName = (typeof TASKS)[number];
+/** The tasks are those that have a text about what they do. */
+export type TaskName = Key extends infer One ? (One extends `calibrate.${infer Name}-does` ? Name : never) : never;
 
 /** A setting that the task has changed. */
 export interface Change extends SettingValue {
