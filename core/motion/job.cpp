@@ -4,16 +4,14 @@
 #include <cmath>
 #include <utility>
 
-#include "geometry/line_sampling.hpp"
-
 namespace passo {
 
 Job::Job(const Machine& machine, std::vector<double> home, const LaserWords& laser, bool with_steps,
          double (*cpu_clock)())
     : motion(machine, with_steps, cpu_clock), interpreter(motion.machine(), std::move(home), laser),
-      cpu_clock_(cpu_clock) {
+      cpu_clock_(cpu_clock), reach_(motion.machine(), motion.planner(), interpreter),
+      read_end_(motion.machine(), motion.planner()) {
   batch_.reserve(Planner::kBatch);
-  extruders_at_.resize(motion.machine().extruders.size());
   motion.set_position(interpreter.position(), interpreter.extruder());
 }
 
@@ -28,10 +26,10 @@ Job::Status Job::advance(double horizon, size_t most, bool to_boundary) {
     Found found = Found::move;
     bool admitted = true;  // an error in a move stops the reading at its line
     batch_.clear();
-    begin_at_the_end();
+    read_end_.take_plan_end();
     while (batch_.size() < Planner::kBatch && (found = interpreter.next()) == Found::move) {
       batch_.push_back(interpreter.move());
-      if (bounded) left -= least_s(batch_.back()) * motion.machine().clock_hz;
+      if (bounded) left -= read_end_.least_s(batch_.back()) * motion.machine().clock_hz;
       if (!(admitted = admit(batch_.back())) || may_be_slow_ || left <= 0) break;
       if (to_boundary && interpreter.at_boundary()) break;
     }
@@ -124,10 +122,13 @@ bool Job::move_to(const double* target, double feed_mm_s, Within within) {
   m.radius_mm = kInfinity;
   m.rapid = true;     // no laser burns on it
   m.unscaled = true;  // homing, parking: at the speed of the machine file
-  begin_at_the_end();
-  if (too_long(m) || (within == Within::limits && !in_range(m))) return false;
-  bool reaches = within != Within::anything && motion.planner().constraints().checks_reach();
-  if (reaches && !reach(m)) return false;
+  read_end_.take_plan_end();
+  if (read_end_.too_long(m, error_)) return false;
+  if ((within == Within::limits && !reach_.in_range(m)) ||
+      (within != Within::anything && !reach_.reaches(m, read_end_.position()))) {
+    error_ = reach_.error();
+    return false;
+  }
   if (!push(m)) return false;
   abandon();
   return true;
@@ -229,84 +230,34 @@ void Job::use_stopped() {
   interpreter.forget_offset();
 }
 
-void Job::begin_at_the_end() {
-  std::copy_n(motion.planner().position(), kAxes, at_);
-  for (size_t i = 0; i < extruders_at_.size(); ++i)
-    extruders_at_[i] = motion.planner().extruder_position(i);
-  const Constraints& constraints = motion.planner().constraints();
-  slowest_mm_s_ = motion.planner().rules().now().limits.speed;
-  for (const Row& row : constraints.rows) slowest_mm_s_ = std::min(slowest_mm_s_, row.speed);
-  for (const Row& row : constraints.extruders) slowest_mm_s_ = std::min(slowest_mm_s_, row.speed);
-}
-
 inline bool Job::admit(MoveRequest& m) {
-  // If a move before it was left out, filament alone moves nothing else, and a dwell nothing.
-  if (left_out.times > 0 && m.kind == MoveKind::extrude) std::copy_n(at_, 3, m.target);
-  if (left_out.times > 0 && m.kind == MoveKind::dwell) {
-    std::copy_n(at_, kAxes, m.target);
-    if (!extruders_at_.empty()) m.target[kE] = extruders_at_[m.extruder];
-  }
-  bool travels = m.kind != MoveKind::dwell && m.kind != MoveKind::extrude;
-  bool sound = !too_long(m);
-  if (sound && travels && motion.planner().constraints().checks_reach() && !reach_all(m) &&
-      !(m.hop_mm > 0 && reach_without_hop(m))) {
-    sound = interpreter.clamp;
-    if (sound) {
-      if (left_out.times++ == 0) left_out.first = error_;
-      leave_filament(m);
-      batch_.pop_back();
-      return true;
-    }
-  }
-  if (!sound) {
+  if (left_out.times > 0) read_end_.start_here(m);
+  if (read_end_.too_long(m, error_)) {
     batch_.pop_back();
     return false;
   }
-  may_be_slow_ = slow(m);
-  std::copy_n(m.target, kAxes, at_);
-  if (!extruders_at_.empty()) extruders_at_[m.extruder] = m.target[kE];
-  return true;
-}
-
-bool Job::reach_without_hop(MoveRequest& m) {
-  const double mm = std::exchange(m.hop_mm, 0);
-  m.target[kZ] -= mm;
-  interpreter.drop_hop(mm);
-  return reach_all(m);
-}
-
-bool Job::reach_all(const MoveRequest& m) {
-  const Arc& arc = interpreter.arc();
-  if (m.radius_mm < kInfinity && arc.reached()) return true;
-  if (!reach(m)) return false;
-  if (interpreter.clamp || !arc.active()) return true;
-  double from[kAxes], to[kAxes];
-  std::copy_n(m.target, kAxes, from);
-  for (Arc rest = arc; rest.active(); std::copy_n(to, kAxes, from)) {
-    interpreter.take_chord(rest, to);
-    if (!reach(from, to, m.line)) return false;
+  if (!reach_.admits(m, read_end_.position())) {
+    error_ = reach_.error();
+    if (interpreter.clamp) leave_out(m);
+    batch_.pop_back();
+    return interpreter.clamp;
   }
-  interpreter.note_arc_reached();
+  may_be_slow_ = read_end_.may_be_slow(m);
+  read_end_.pass(m);
   return true;
 }
 
-double Job::distance_mm(const MoveRequest& m) const {
-  double mm = 0;
-  for (int j = 0; j < kAxes; ++j)
-    if (j != kE) mm += std::fabs(m.target[j] - at_[j]);
-  if (!extruders_at_.empty()) mm += std::fabs(m.target[kE] - extruders_at_[m.extruder]);
-  return mm;
-}
-
-double Job::least_s(const MoveRequest& m) {
-  double mm_s = 0;
-  for (const Row& row : motion.planner().constraints().rows) mm_s += row.speed;
-  return std::max(m.duration_s, distance_mm(m) / std::min(m.feed_mm_s, mm_s));
-}
-
-bool Job::slow(const MoveRequest& m) const {
-  const double mm = distance_mm(m);
-  return m.duration_s > kQuickS || mm > kQuickS * m.feed_mm_s || mm > kQuickS * slowest_mm_s_;
+void Job::leave_out(const MoveRequest& m) {
+  if (left_out.times++ == 0) left_out.first = error_;
+  const Machine& machine = motion.machine();
+  for (size_t a = 3; a < machine.axes.size(); ++a) {
+    int j = slot_of_axis(int(a));
+    double mm = m.target[j] - read_end_.position()[j];
+    if (machine.axes[a].filament && mm > 0) interpreter.shift(j, -mm);
+  }
+  // A retraction takes place with the next move.
+  double mm = read_end_.filament_mm(m);
+  if (mm > 0) interpreter.leave_filament(m.extruder, mm);
 }
 
 inline bool Job::push(const MoveRequest& m) {
@@ -318,105 +269,16 @@ inline bool Job::push(const MoveRequest& m) {
   return false;
 }
 
-inline bool Job::too_long(const MoveRequest& m) {
-  const Machine& machine = motion.machine();
-  if (m.kind == MoveKind::dwell) return false;
-  auto beyond = [&](double from, double to, const std::string& name) {
-    double mm = to - from;
-    if (std::fabs(mm) <= kMaxFilamentMm) return false;
-    error_ = {m.line, Fault::too_long, name, mm, kMaxFilamentMm, {0, 0, 0}};
-    return true;
-  };
-  for (size_t a = 3; a < machine.axes.size(); ++a) {
-    int j = slot_of_axis(int(a));
-    if (machine.axes[a].filament && beyond(at_[j], m.target[j], machine.axes[a].name)) return true;
-  }
-  return !machine.extruders.empty() &&
-         beyond(extruders_at_[m.extruder], m.target[kE], machine.extruders[m.extruder].name);
-}
-
-bool Job::in_range(const MoveRequest& m) {
-  for (int j = 0; j < kAxes; ++j)
-    if ((m.moved >> j & 1) && !interpreter.in_range(j, m.target[j], error_)) return false;
-  return true;
-}
-
-void Job::leave_filament(const MoveRequest& m) {
-  const Machine& machine = motion.machine();
-  for (size_t a = 3; a < machine.axes.size(); ++a) {
-    int j = slot_of_axis(int(a));
-    double mm = m.target[j] - at_[j];
-    if (machine.axes[a].filament && mm > 0) interpreter.shift(j, -mm);
-  }
-  if (machine.extruders.empty()) return;
-  double mm = m.target[kE] - extruders_at_[m.extruder];
-  if (mm > 0) interpreter.leave_filament(m.extruder, mm);  // a retraction is made up for
-}
-
-bool Job::reach(const MoveRequest& m) { return reach(at_, m.target, m.line); }
-
-bool Job::reach(const double* from, const double* to, uint32_t line) {
-  const Geometry& geometry = *motion.machine().geometry;
-  double mm = 0, p[3];
-  for (int j = 0; j < 3; ++j) mm += (to[j] - from[j]) * (to[j] - from[j]);
-  mm = std::sqrt(mm);
-  int n = std::min(1 + int(mm / kCheckEvery), 4096);
-  const Sampling sampling(geometry, from, to, mm, n);
-  auto reaches = [&](double at) {
-    for (int j = 0; j < 3; ++j) p[j] = from[j] + (to[j] - from[j]) * at;
-    return reach_point(p, line, from);
-  };
-  for (int i = 1; i <= n; ++i) {
-    if (!sampling.before(i, reaches)) return false;
-    for (int j = 0; j < 3; ++j) p[j] = i == n ? to[j] : from[j] + (to[j] - from[j]) * i / n;
-    if (!reach_point(p, line, from)) return false;
-  }
-  return !geometry.jumps(from, to) || stop_at_jump(from, to, line);
-}
-
-bool Job::stop_at_jump(const double* from, const double* to, uint32_t line) {
-  double low = 0, high = 1, p[3];
-  for (int k = 0; k < 48; ++k) {
-    double middle = 0.5 * (low + high);
-    for (int j = 0; j < 3; ++j) p[j] = from[j] + (to[j] - from[j]) * middle;
-    (motion.machine().geometry->jumps(from, p) ? high : low) = middle;
-  }
-  error_ = {line, Fault::unreachable, "", 0, 0, {p[0], p[1], p[2]}};
-  return false;
-}
-
-bool Job::reach_point(const double* p, uint32_t line, const double* from) {
-  const Machine& machine = motion.machine();
-  for (const StepperSpec& s : machine.steppers) {
-    if (s.drive != Drive::actuator) continue;
-    double q = machine.geometry->inverse(s.index, p);
-    double half_step = 0.5 / s.steps_per_unit;  // so far the nearest step may lie beyond
-    if (q >= s.min - half_step && q <= s.max + half_step) continue;
-    double start = from == nullptr ? q : machine.geometry->inverse(s.index, from);
-    if (q < s.min ? q > start : q < start) continue;
-    double home = machine.geometry->inverse(s.index, interpreter.homed());
-    if (q < s.min ? q >= home - half_step : q <= home + half_step) continue;
-    bool nowhere = !(std::fabs(q) < 1e12);
-    error_ = {line,
-              nowhere ? Fault::unreachable : Fault::actuator,
-              nowhere ? "" : s.name,
-              nowhere ? 0 : q,
-              q < s.min ? s.min : s.max,
-              {p[0], p[1], p[2]}};
-    return false;
-  }
-  return true;
-}
-
 bool Job::may_shift(double ticks, int j, double mm) {
   if (interpreter.locked(j)) {
     error_ = {0, Fault::not_homed, motion.machine().axes[size_t(j)].name, 0, 0, {}};
     return false;
   }
-  bool reaches = motion.planner().constraints().checks_reach();
-  return motion.allows_shift(ticks, j, mm, [&](const double* p) {
-    return interpreter.in_range(j, p[j], error_) && (!reaches || reach_point(p, 0));
-  });
+  if (motion.allows_shift(ticks, j, mm,
+                          [&](const double* p) { return reach_.reaches_shifted(p, j); }))
+    return true;
+  error_ = reach_.error();
+  return false;
 }
 
 }  // namespace passo

@@ -11,6 +11,8 @@
 
 #include "gcode/interpreter.hpp"
 #include "motion/motion.hpp"
+#include "motion/reach.hpp"
+#include "motion/read_end.hpp"
 
 namespace passo {
 
@@ -97,20 +99,14 @@ class Job {
   void settle_position();
 
  private:
-  static constexpr double kCheckEvery = 2;  // mm along lines of nonlinear machines
-  // Of one move: no axis limits it, and all steps of a move are calculated at once.
-  static constexpr double kMaxFilamentMm = 10'000;
-  static constexpr double kQuickS = 100;  // a move that takes less at full speed is not too slow
-
   double (*cpu_clock_)();
   std::optional<Interpreter> suspended_;
   std::shared_ptr<const HeightMap> bed_;  // as it was given
   std::array<double, 2> map_offset_{};    // of the tool for which the plan has it
   std::vector<MoveRequest> batch_;
-  double at_[kAxes] = {};  // end of the moves that are read
-  std::vector<double> extruders_at_;
-  double slowest_mm_s_ = kInfinity;  // of axes and extruders
-  bool may_be_slow_ = false;         // the last move that is read
+  Reach reach_;
+  ReadEnd read_end_;
+  bool may_be_slow_ = false;  // the last move that is read
   GcodeError error_;
 
   std::array<double, 2> tool_offset() const;
@@ -121,42 +117,13 @@ class Job {
 
   double now() const { return cpu_clock_ ? cpu_clock_() : 0; }
 
-  // The next moves that are read begin at the end of the plan.
-  void begin_at_the_end();
-
   // Checks the last move of the batch. False: it breaks a limit; then it leaves the batch and
   // error() is set. With `clamp` it leaves the batch, and the result is true.
   bool admit(MoveRequest& m);
-  // Removes the hop from a move and from those of its line that share it. Returns whether the move
-  // is reachable then.
-  bool reach_without_hop(MoveRequest& m);
-  // Whether a move and the whole arc that it begins or leads to are within reach, so that no arc
-  // ends half done. With `clamp`, only the move.
-  bool reach_all(const MoveRequest& m);
-  double distance_mm(const MoveRequest& m) const;
-  // Minimum duration of a move, roughly: `horizon` need not be met exactly.
-  double least_s(const MoveRequest& m);
-  // Whether a move may take longer than kMaxMoveS. Only the planner finds out, so no line after
-  // the move may have been read.
-  bool slow(const MoveRequest& m) const;
+  // A move is left out: the next move does not print its filament.
+  void leave_out(const MoveRequest& m);
   // If the move is too slow, returns false, changes nothing and sets error().
   bool push(const MoveRequest& m);
-
-  bool too_long(const MoveRequest& m);
-  // Whether the axes that move end within their limits; if not, sets error_.
-  bool in_range(const MoveRequest& m);
-
-  // A move is left out: the next move does not print its filament.
-  void leave_filament(const MoveRequest& m);
-
-  // Whether every actuator reaches the whole line, and without a jump; if not, sets error_.
-  bool reach(const MoveRequest& m);
-  bool reach(const double* from, const double* to, uint32_t line);
-  // Finds the point of the jump, and sets error_. Returns false.
-  bool stop_at_jump(const double* from, const double* to, uint32_t line);
-  // An actuator may go up to its home, where its endstop is, wherever its limit is. If it is beyond
-  // its limit at `from`, by a home offset, it may only go back.
-  bool reach_point(const double* p, uint32_t line, const double* from = nullptr);
 
   bool may_shift(double ticks, int j, double mm);
 };

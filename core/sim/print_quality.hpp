@@ -102,7 +102,7 @@ class PrintQuality {
   };
   struct Ringing {
     double from[2], unit[2], peak = 0, settled = -1;
-    std::optional<size_t> corner;
+    std::optional<size_t> corner = std::nullopt;
   };
   double hz_, at_ = 0;
   std::shared_ptr<HeadDynamics> head_;
