@@ -1,4 +1,4 @@
-// G2 and G3 as chords.
+// Divides the arcs of G2 and G3 into chords.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -9,26 +9,26 @@
 
 namespace passo {
 
-// Chords whose middle is at most kChordError inside the circle: the angle between points is 2
-// acos(1 - kChordError/r), and acos(1 - x) ≥ sqrt(2x). The axis of a helix and the extruder move in
-// proportion.
+// The middle of a chord is at most kChordError inside the circle. So the angle between two points
+// is 2 acos(1 - kChordError/r), and acos(1 - x) ≥ sqrt(2x). The axis of a helix and the extruder
+// move in proportion to the angle.
 class Arc {
  public:
   static constexpr double kChordError = 0.0045;  // mm
   static constexpr double kMaxChords = 1e7;
-  // By how much the radii at both ends may differ: a fraction of the larger one, between these
-  // bounds in mm.
+  // Maximum difference of the radii at the two ends: a fraction of the larger radius, but at least
+  // kMinSpiralMm and at most kMaxSpiralMm.
   static constexpr double kSpiral = 0.005, kMinSpiralMm = 0.05, kMaxSpiralMm = 0.5;
   static constexpr double kFullTurn = 6.283185307179586;
 
-  // Whether an arc whose ends are this many mm apart counts as a straight line if its parameters
-  // define no circle.
+  // If the parameters of an arc define no circle, and its ends are this close together, it is a
+  // straight line.
   static bool tiny(double mm) { return mm <= kMinSpiralMm; }
 
   bool active() const { return done_ < chords_; }
 
-  // From `start` to `end` in the plane of slots u, v, about a centre; `turns` further full circles.
-  // False if this needs too many chords.
+  // An arc from `start` to `end` in the plane of slots u, v, about the centre (cu, cv), plus
+  // `turns` full circles. Returns false if the arc needs more than kMaxChords.
   bool begin(const double* start, const double* end, int u, int v, double cu, double cv,
              bool clockwise, int turns) {
     std::memcpy(start_, start, sizeof start_);
@@ -55,7 +55,7 @@ class Arc {
     reached_ = false;
     return true;
   }
-  // Shifts the rest of the arc by this distance along slot j.
+  // Shifts the remaining part of the arc along slot j.
   void shift(int j, double mm) {
     start_[j] += mm;
     end_[j] += mm;
@@ -63,30 +63,29 @@ class Arc {
     if (j == v_) cv_ += mm;
     reached_ = false;
   }
-  // The remaining distance along slot j.
+  // Remaining distance along slot j.
   double left(int j) const { return (end_[j] - start_[j]) * (1 - double(done_) / chords_); }
-  // Changes the remaining distance from `at` on.
+  // The remaining part starts at position `at` of slot j and covers `mm` there.
   void set_left(int j, double at, double mm) {
     end_[j] = at + mm;
     start_[j] = end_[j] - mm / (1 - double(done_) / chords_);
   }
-  double most_turns() const { return most_turns_; }      // that begin() always accepts
+  double most_turns() const { return most_turns_; }      // turns that begin() always accepts
   uint8_t axis() const { return uint8_t(3 - u_ - v_); }  // slot perpendicular to its plane
   double radius() const { return std::max(radius0_, radius1_); }
   double start_radius() const { return radius0_; }
   double end_radius() const { return radius1_; }
-  // Rounded coordinates turn a circle into a slight spiral; a wrong centre turns it into a wide
-  // one.
+  // False if the two radii differ too much: then the centre is wrong. Rounded coordinates make only
+  // a slight spiral.
   bool round() const {
     double allowed = std::clamp(kSpiral * radius(), kMinSpiralMm, kMaxSpiralMm);
     return std::fabs(radius1_ - radius0_) <= allowed;
   }
   bool first() const { return done_ == 1; }
-  // Bounds of the arc along slot j of its plane: those of the whole circle, so the arc itself may
-  // be smaller.
+  // Bounds of the whole circle along slot j of its plane. The arc itself may cover less.
   double lowest(int j) const { return (j == u_ ? cu_ : cv_) - radius(); }
   double highest(int j) const { return (j == u_ ? cu_ : cv_) + radius(); }
-  // All remaining chords are known to be within the reach of the actuators.
+  // True if a check has found all remaining chords within reach of the actuators.
   bool reached() const { return reached_; }
   void note_reached() { reached_ = true; }
 

@@ -6,8 +6,9 @@
 
 namespace passo {
 
-// One line of a cycle: `repeats` holes, each reached by a rapid move in the plane of slots u and v,
-// and drilled along slot w. next() yields the moves one by one, so a line takes no memory.
+// One line of a cycle drills `repeats` holes. A rapid move in the plane of slots u and v goes to
+// each hole, and slot w drills it. next() calculates one move at a time, so that many holes need no
+// memory.
 class Cycle {
  public:
   static constexpr double kBackOffMm = 0.254;  // retraction between pecks, as in RS274
@@ -16,22 +17,22 @@ class Cycle {
   struct Plan {
     int code = 81;
     int u = 0, v = 1, w = 2;
-    double at[2] = {}, by[2] = {};            // the first hole, and from one hole to the next
-    double start = 0, bottom = 0, clear = 0;  // level R, end of the hole, level between holes
+    double at[2] = {}, by[2] = {};  // of the first hole, and the distance to the next hole
+    double start = 0, bottom = 0, clear = 0;  // level R, bottom of the hole, level between holes
     double peck = 0, dwell_s = 0;
     int repeats = 0;
   };
   struct Step {
     double target[3];
     bool rapid;
-    double dwell_s;  // above 0: no move
-    uint8_t moved;   // bit per slot
+    double dwell_s;  // if above 0, the step is a dwell
+    uint8_t moved;   // a bit for each slot
   };
 
   Cycle() = default;
   explicit Cycle(const Plan& plan) : plan_(plan) {}
   bool active() const { return hole_ < plan_.repeats; }
-  // Shifts the rest of the cycle by this distance along slot j.
+  // Shifts the remaining part of the cycle along slot j.
   void shift(int j, double mm) {
     if (j == plan_.u) plan_.at[0] += mm;
     if (j == plan_.v) plan_.at[1] += mm;
@@ -41,7 +42,7 @@ class Cycle {
     plan_.clear += mm;
     depth_ += mm;
   }
-  // The next move from `position`; it may have no length.
+  // The next step from `position`. Its distance may be 0.
   Step next(const double* position) {
     Step step{{position[0], position[1], position[2]}, true, 0, 0};
     auto along = [&](double to, bool rapid, Phase then) {
@@ -51,7 +52,7 @@ class Cycle {
       phase_ = then;
     };
     switch (phase_) {
-      case Phase::lift:  // below R no move in the plane
+      case Phase::lift:  // no move across below level R
         along(std::max(position[plan_.w], plan_.start), true, Phase::across);
         break;
       case Phase::across:

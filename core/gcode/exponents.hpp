@@ -1,6 +1,6 @@
-// Numbers with an exponent. G-code has no exponents: the E of `X1E5` is a word. Some programs print
-// them nevertheless (`E9.9e-05`), so an E that cannot be a word is read as a part of the number
-// before it: docs/reference/gcode.md has the rules.
+// Replaces numbers with exponents. In G-code the E of `X1E5` is a word, but some programs print
+// exponents (`E9.9e-05`). An E that cannot be a word is the exponent of the number before it.
+// docs/reference/gcode.md lists the rules.
 #pragma once
 #include <algorithm>
 #include <cctype>
@@ -13,7 +13,7 @@
 
 namespace passo {
 
-// Whether an E with at most three digits and no point begins at p, as an exponent does.
+// Whether an E at p starts an exponent: at most three digits and no decimal point follow.
 inline bool looks_like_exponent(const char* p, const char* end) {
   if (p == end || (*p != 'E' && *p != 'e')) return false;
   if (++p < end && (*p == '-' || *p == '+')) ++p;
@@ -22,7 +22,7 @@ inline bool looks_like_exponent(const char* p, const char* end) {
   return p > first && p - first <= 3 && (p == end || *p != '.');
 }
 
-// A decimal number times a power of ten, digit by digit.
+// The digits of `number` with the decimal point moved by `power` places.
 inline std::string without_exponent(std::string_view number, int power) {
   std::string digits;
   std::string out;
@@ -45,14 +45,14 @@ inline std::string without_exponent(std::string_view number, int power) {
   return out + (digits.empty() ? "0" : digits) + (fraction.empty() ? "" : "." + fraction);
 }
 
-// Of the words of one line.
+// Finds exponents among the words of one line.
 class Exponents {
  public:
-  // `moves_have_e`: E is a word of moves on this machine.
+  // `moves_have_e`: moves of this machine have a word E.
   Exponents(std::string_view text, const std::vector<Word>& words, bool moves_have_e)
       : text_(text), words_(words), moves_have_e_(moves_have_e) {}
 
-  // The text with decimal numbers in place of those with exponents; empty: it has none.
+  // The text with all exponents written out as decimal numbers; empty if it contains no exponent.
   std::string expand() const {
     std::string out;
     size_t done = 0;
@@ -83,17 +83,19 @@ class Exponents {
 
   static bool starts(const Word& w) { return (w.letter == 'G' || w.letter == 'M') && w.number; }
 
-  // Whether word i, of the command whose words are [first, last), is the exponent of the one
-  // before.
+  // Whether word i is the exponent of the word before it. The words [first, last) are those of one
+  // command.
   bool is_exponent(size_t first, size_t last, size_t i) const {
     const Word &number = words_[i - 1], &power = words_[i];
     if (!number.number || power.begin != number.end || starts(number) || number.letter == 'T' ||
         !looks_like_exponent(text_.data() + power.begin, text_.data() + text_.size()))
       return false;
     const char sign = text_[power.begin + 1];
-    if (sign == '+' || (sign == '-' && text_[power.begin + 2] == '0')) return true;  // as printf
+    if (sign == '+' || (sign == '-' && text_[power.begin + 2] == '0'))
+      return true;  // printf writes at least two digits
     for (size_t k = first; k < last; ++k)
-      if (k != i && words_[k].letter == 'E') return true;  // a letter comes once
+      if (k != i && words_[k].letter == 'E')
+        return true;  // the other E is the word: a letter is used once
     if (!has_e(words_[first])) return true;
     if (sign != '-') return false;
     const bool lower = text_[power.begin] == 'e' && std::isupper(uint8_t(text_[number.begin])) != 0;
@@ -102,7 +104,7 @@ class Exponents {
         text_.substr(number.begin, number.end - number.begin).find('.') != std::string_view::npos;
     return lower || (spaced && decimal);
   }
-  // Whether E is a word of this command.
+  // Whether the command has a word E.
   bool has_e(const Word& w) const {
     const auto [code, minor] = code_of(w);
     const bool moves = !starts(w) || modal_follows(w) || beside_axes(w.letter, code, minor) ||

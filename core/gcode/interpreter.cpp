@@ -1,4 +1,4 @@
-// The loop that reads, the common line, and the steps that are common to all moves.
+// The reading loop, the fast path for simple moves, and what all moves have in common.
 #include "gcode/interpreter.hpp"
 
 #include <algorithm>
@@ -58,8 +58,8 @@ Found Interpreter::next() {
   }
 }
 
-// The common line: upper case axis letters, E and F, each with a number. Found::end: done, no
-// move; Found::error: the line needs the general way.
+// Fast path for G0 and G1 with upper-case axis letters, E and F, each with a number. Returns
+// Found::end if the line is done and has no move, Found::error if run_line() must read the line.
 inline Found Interpreter::fast_move(const char* p, const char* end, bool rapid) {
   if (any_due_) return Found::error;
   double value[26];
@@ -84,7 +84,8 @@ inline Found Interpreter::fast_move(const char* p, const char* end, bool rapid) 
   return straight(value, have & ~(1u << 5), feed_, 0, rapid) ? Found::move : Found::end;
 }
 
-// Resolves the target of the letters in `have`; false if nothing moves. `move_` is the result.
+// Calculates the target from the letters in `have` and takes the move. Returns false if nothing
+// moves. The result is `move_`.
 inline bool Interpreter::straight(const double* value, uint32_t have, double feed, double duration,
                                   bool rapid) {
   if (!target(value, have, relative(), 0) || retracts(have)) return false;
@@ -98,8 +99,8 @@ inline bool Interpreter::straight(const double* value, uint32_t have, double fee
   return take(move_);
 }
 
-// `relative`: a bit for each letter that counts from where it is. `offset`: letters that stay
-// where the program means them to be, see offset_letters.
+// `relative`: a bit for each letter whose word is a distance. `offset`: letters of axes that keep
+// the program's position and move only by a tool offset, see offset_letters().
 bool Interpreter::target(const double* value, uint32_t have, uint32_t relative, uint32_t offset) {
   here(move_.target);
   uint8_t moved = 0;
@@ -127,13 +128,13 @@ bool Interpreter::target(const double* value, uint32_t have, uint32_t relative, 
         fail(Fault::out_of_range, axis_name(j), t, limit);
         return false;
       }
-      if (clamp) note_clamp(j, t, limit);  // otherwise the axis is not homed, as reported below
+      if (clamp) note_clamp(j, t, limit);  // if not `clamp`, the axis is not homed: see below
       t = limit;
       cut |= uint8_t(1u << j);
     } else if (absolute) {
       cut &= uint8_t(~(1u << j));
     }
-    if (j == kZ) {  // of the hop as much as there is room for
+    if (j == kZ) {  // the hop is shortened if it would end above the limit
       hop = std::clamp(high_[j] - t, 0.0, hop_);
       t += hop;
     }
@@ -164,7 +165,8 @@ bool Interpreter::take(MoveRequest& m) {
   return take_now(m, true);
 }
 
-// `follows`: how far filament is drawn back follows the move; a move that joins has done so.
+// `follows`: the retraction of the filament follows this move. False for a move that join() has
+// queued: there the retraction is already counted.
 bool Interpreter::take_now(MoveRequest& m, bool follows) {
   if (m.kind == MoveKind::dwell && m.duration_s > 0) {
     std::copy(position_, position_ + kAxes, m.target);
@@ -192,7 +194,8 @@ bool Interpreter::take_now(MoveRequest& m, bool follows) {
   m.kind = !travels ? MoveKind::extrude : forward ? MoveKind::print : MoveKind::travel;
   if (m.kind == MoveKind::print &&
       (m.target[kX] != position_[kX] || m.target[kY] != position_[kY])) {
-    const double program_z = tool_offset(kZ) - m.hop_mm;  // from the machine's
+    const double program_z =
+        tool_offset(kZ) - m.hop_mm;  // offset of the program's Z from the machine's
     layers.extrude(position_[kZ] + program_z, m.target[kZ] + program_z);
   }
   m.layer = uint16_t(std::min(layers.count(), 65535u));
@@ -232,7 +235,7 @@ bool Interpreter::waits_for_height(const MoveRequest& m, bool follows) {
   return true;
 }
 
-// Of the program; 0 where a console has sent it.
+// Sets the line numbers of a move: those of the program, or 0 for a line from a console.
 void Interpreter::stamp(MoveRequest& m) const {
   m.line = source_ ? 0 : number();
   m.main_line = source_ ? 0 : sources_[0].number();
@@ -240,8 +243,8 @@ void Interpreter::stamp(MoveRequest& m) const {
   m.feature = feature_;
 }
 
-// The energy of the laser for a move from position_, and the speed at which the laser delivers
-// exactly that.
+// Sets the laser energy per mm of a move from position_, and the speed above which the laser cannot
+// deliver that energy.
 void Interpreter::shine(MoveRequest& m) const {
   double mm2 = 0, longest = 0;
   for (int j = 0; j < kAxes; ++j) {

@@ -1,4 +1,4 @@
-// Arcs: G2 and G3, and their chords.
+// G2 and G3.
 #include <algorithm>
 #include <cmath>
 
@@ -28,7 +28,7 @@ void Interpreter::run_arc(bool clockwise, const double* value, uint32_t have, in
   const uint8_t cut_before = cut_;
   if (!target(value, axes, relative(), offset_letters(axes, true))) return;
   cut |= cut_;
-  const bool whole = (cut & (1u << u | 1u << v)) == 0;  // both ends are where the program means
+  const bool whole = (cut & (1u << u | 1u << v)) == 0;  // neither end was moved to a limit
   double end[kAxes];
   std::copy(move_.target, move_.target + kAxes, end);
   auto none = [&](Fault fault, const std::string& word, double value, double limit) {
@@ -56,7 +56,9 @@ void Interpreter::run_arc(bool clockwise, const double* value, uint32_t have, in
   } else {
     auto centre = [&](char letter) { return given(letter) ? value[letter - 'A'] * unit_ : 0.0; };
     double i = centre(kCentre[plane_ - 17][0]), j = centre(kCentre[plane_ - 17][1]);
-    if (i == 0 && j == 0) {  // no more than the ends may be off a circle, or no arc
+    if (i == 0 &&
+        j ==
+            0) {  // without a centre: a straight line if the ends are close together, else an error
       const bool circle = given('R') ? d2 > 0 : given('I') || given('J') || given('K');
       if (circle && Arc::tiny(std::sqrt(d2))) return straight();
       return none(Fault::centre, kWords[plane_ - 17], 0, 0);
@@ -66,7 +68,7 @@ void Interpreter::run_arc(bool clockwise, const double* value, uint32_t have, in
   }
   if (!arc_.begin(start, end, u, v, cu, cv, clockwise, turns))
     return none(Fault::range, "P", turns + 1.0, arc_.most_turns());
-  if (2 * arc_.radius() <= Arc::kChordError) {  // a line is as near to it as its chords may be
+  if (2 * arc_.radius() <= Arc::kChordError) {  // shorter than the error of a chord
     arc_ = Arc();
     return straight();
   }
@@ -85,9 +87,8 @@ void Interpreter::run_arc(bool clockwise, const double* value, uint32_t have, in
   queue_offset(start, feed);
 }
 
-// Whether no chord of the arc, which begins at `start`, ends beyond a limit of the slots of its
-// plane; target() has checked only the ends of the arc. Otherwise fills `error` with the position
-// it would reach.
+// Whether all chords of the arc from `start` end within the limits of slots u and v. target() has
+// checked only the end of the arc. If not, sets `error` to the position that is furthest outside.
 bool Interpreter::arc_in_range(const double* start, int u, int v, GcodeError& error) const {
   auto hop = [this](int j) { return j == kZ ? arc_hop_ : 0; };
   auto round = [&](int j) {
@@ -129,16 +130,18 @@ bool Interpreter::next_chord() {
       note_clamp(j, at, limit);
       arc_move_.target[j] = limit + hop;
     }
-    if (hop > 0) arc_move_.target[j] = std::min(arc_move_.target[j], high_[j]);  // as there is room
+    if (hop > 0)
+      arc_move_.target[j] =
+          std::min(arc_move_.target[j], high_[j]);  // the hop is shortened at the limit
   }
   arc_move_.arc_inner = !arc_.first();
   return take(arc_move_);
 }
 
-// The next chord of `rest`, a copy of it, as it will be a move's target.
 void Interpreter::take_chord(Arc& rest, double* target) const {
   rest.next(target);
-  if (arc_hop_ > 0) target[kZ] = std::min(target[kZ], high_[kZ]);  // as there is room
+  if (arc_hop_ > 0)
+    target[kZ] = std::min(target[kZ], high_[kZ]);  // the hop is shortened at the limit
 }
 
 }  // namespace passo

@@ -1,4 +1,4 @@
-// M98 and M99: sub-programs of the file that is read; and the lines of macros.
+// M98 and M99, which call sub-programs of the same file, and the lines of macros.
 #include <algorithm>
 #include <iterator>
 #include <utility>
@@ -7,7 +7,8 @@
 
 namespace passo {
 
-// M98. The moves of a sub-program have its own lines, and the line of the call in the main program.
+// M98. Moves of a sub-program have its own line numbers, and the number of the calling line as
+// main_line.
 void Interpreter::run_call(std::string_view text) {
   if (calls_are_events) return emit('M', 98, 0, "", text);
   Call call;
@@ -26,8 +27,8 @@ void Interpreter::run_call(std::string_view text) {
   begin_frame();
 }
 
-// M99: returns to after the call, or repeats the sub-program; leaves a macro. False outside of
-// both.
+// M99: returns to the line after the call, or starts the next repetition of the sub-program; also
+// ends a macro. Returns false outside of both.
 bool Interpreter::run_return(std::string_view text) {
   auto& frames = frames_[source_];
   while (!frames.empty() && frames.back().kind == FrameKind::rest) frames.pop_back();
@@ -53,7 +54,8 @@ void Interpreter::begin_frame() {
   frames_[0].clear();
 }
 
-// More text of a sub-program; at its end, which no M99 has reached, an error and back.
+// Feeds more text of a sub-program. If its text ends without an M99, fails and returns to the
+// caller.
 void Interpreter::feed_frame() {
   static constexpr size_t kPiece = 4096;
   Frame& frame = frames_[source_].back();
@@ -93,7 +95,7 @@ void Interpreter::hand_over_macro(Interpreter& mine) {
   if (macro == frames.end()) return;
   mine.frames_[1].assign(std::make_move_iterator(macro), std::make_move_iterator(frames.end()));
   frames.erase(macro, frames.end());
-  next_word_ = 0;  // of a line of the macro
+  next_word_ = 0;  // it belonged to a line of the macro
 }
 
 void Interpreter::fail_call(CallFault fault, const std::string& call) {

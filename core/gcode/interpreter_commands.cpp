@@ -1,4 +1,4 @@
-// Commands that belong to the motion state.
+// Commands that change the motion state.
 #include <algorithm>
 #include <iterator>
 
@@ -10,7 +10,7 @@ namespace passo {
 
 namespace {
 
-constexpr double kMinFilamentMm = 0.1, kMaxFilamentMm = 10;  // diameter
+constexpr double kMinFilamentMm = 0.1, kMaxFilamentMm = 10;  // of filament: diameter
 
 }  // namespace
 
@@ -61,7 +61,7 @@ void Interpreter::run_command(const Word& command, const Word* w, const Word* en
   if (!move.empty()) run_modal(move.data(), move.data() + move.size());
 }
 
-// False: the command is the caller's.
+// Returns false if the caller must carry out the command.
 bool Interpreter::run_g(int code, const Arguments& a) {
   switch (code) {
     case 0:
@@ -77,7 +77,8 @@ bool Interpreter::run_g(int code, const Arguments& a) {
       return true;
     case 10:
       for (const Word* x = a.first; x < a.last; ++x)
-        if (x->letter == 'L') {  // zeros of coordinate systems, lengths of tools
+        if (x->letter ==
+            'L') {  // L: coordinate systems and tool lengths, which Passo does not have
           emit(0, 0, 0, "G10 " + unknown_name(text_, *x), a.text);
           return true;
         }
@@ -105,7 +106,7 @@ bool Interpreter::run_g(int code, const Arguments& a) {
     case 80: {
       const bool cycle = motion_ > 3;
       if (cycle) motion_ = -1;
-      // On a printer G80 is bed levelling, as with Prusa, and has words of its own.
+      // On a printer G80 is bed levelling, as in Prusa's firmware, with its own parameters.
       if (machine_->prints()) return cycle;
       if (cycle && moves(a.first, a.last)) {
         fail(Fault::word, "G80", 0, 0);
@@ -147,7 +148,7 @@ bool Interpreter::run_g(int code, const Arguments& a) {
   return true;
 }
 
-// False: the command is the caller's.
+// Returns false if the caller must carry out the command.
 bool Interpreter::run_m(int code, const Arguments& a) {
   switch (code) {
     case 82:
@@ -170,7 +171,7 @@ bool Interpreter::run_m(int code, const Arguments& a) {
       set_recovery(a);
       return true;
     case 209:
-      if (!a.has('S')) return false;  // a question
+      if (!a.has('S')) return false;  // a query
       auto_retract_ = a.value('S', 0) != 0;
       return true;
     case 486:
@@ -185,7 +186,6 @@ bool Interpreter::run_m(int code, const Arguments& a) {
   }
 }
 
-// G4
 void Interpreter::run_dwell(const Arguments& a) {
   MoveRequest m{};
   m.kind = MoveKind::dwell;
@@ -206,8 +206,8 @@ void Interpreter::run_dwell(const Arguments& a) {
   }
 }
 
-// G28. O: only the axes that are not homed, which the caller must find. B: then back to where the
-// machine was.
+// G28. With O, the caller homes only the axes that are not homed. With B, a travel returns to the
+// position before homing.
 void Interpreter::run_home(const Arguments& a) {
   std::string letters;
   for (const Word* x = a.first; x < a.last; ++x)
@@ -223,12 +223,13 @@ void Interpreter::run_home(const Arguments& a) {
   else
     home(letters);
   if (locked(kZ)) hop_ = 0;
-  if (back && locked_ == 0) hop_ = hop;  // the hop is part of where the machine was
+  if (back && locked_ == 0) hop_ = hop;  // the earlier position includes the hop
   emit('G', 28, 0, "", back ? letters + 'B' : letters);
   if (back) queue_return(before);
 }
 
-// G92: sets the position of an axis that is not homed; of the others only the zero moves.
+// G92. If an axis is not homed, the caller sets its position. Otherwise only the program's zero
+// moves.
 void Interpreter::run_set_position(const Arguments& a) {
   bool any = false;
   std::string positions, actuators;
@@ -262,7 +263,7 @@ void Interpreter::run_set_position(const Arguments& a) {
   if (!actuators.empty()) emit('G', 92, 1, "", actuators);
 }
 
-// M200: E is a volume of filament with this diameter. False: a question.
+// M200: E is the volume of filament with diameter D. Returns false for a query.
 bool Interpreter::run_diameter(const Arguments& a) {
   if (a.empty()) return false;
   const double tool = a.value('T', double(tool_)), mm = a.value('D', 1);
@@ -278,7 +279,6 @@ bool Interpreter::run_diameter(const Arguments& a) {
   return true;
 }
 
-// M207
 void Interpreter::set_retraction(const Arguments& a) {
   for (char letter : {'S', 'Z', 'W'})
     if (!within(letter, a.value(letter, 0), 0, kMaxChangeMm)) return;
@@ -290,7 +290,6 @@ void Interpreter::set_retraction(const Arguments& a) {
   retraction_.swap_mm = a.value('W', retraction_.swap_mm);
 }
 
-// M208
 void Interpreter::set_recovery(const Arguments& a) {
   for (char letter : {'S', 'W'})
     if (!within(letter, a.value(letter, 0), -kMaxChangeMm, kMaxChangeMm)) return;
@@ -299,11 +298,11 @@ void Interpreter::set_recovery(const Arguments& a) {
   if (a.has('F')) retraction_.recover_feed_mm_s = a.value('F', 0) / 60;
 }
 
-// Words without a motion command of their own.
+// Runs words that come without a motion command: the modal motion command applies.
 void Interpreter::run_modal(const Word* w, const Word* end) {
   if (motion_ < 0) motion_ = 1;
   if (w == end) return;
-  if (motion_ > 3) {  // as often as it would move
+  if (motion_ > 3) {  // an unsupported motion: one event for each of its lines
     if (canned(motion_)) {
       hear("", w, end);
       return run_cycle(motion_ / 10, w, end);

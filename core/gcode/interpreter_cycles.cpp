@@ -7,10 +7,11 @@
 
 namespace passo {
 
-// A line of a cycle, with or without the code. Words that it does not give are those of the last
-// line of the same cycle. Nothing moves if one of its ends is out of range.
+// Runs one line of a cycle, with or without its code. A parameter that is missing has the value of
+// the last line of the same cycle. If one end of the cycle is out of range, nothing moves.
 void Interpreter::run_cycle(int code, const Word* w, const Word* end) {
-  static constexpr int kPlane[3][3] = {{0, 1, 2}, {2, 0, 1}, {1, 2, 0}};  // u, v, and the hole's w
+  static constexpr int kPlane[3][3] = {
+      {0, 1, 2}, {2, 0, 1}, {1, 2, 0}};  // u, v, and the drilling axis w
   const int* plane = kPlane[plane_ - 17];
   const std::string name = code_name('G', code);
   auto letter_of = [&](int j) { return machine_->axes[size_t(j)].letter; };
@@ -108,8 +109,8 @@ void Interpreter::run_cycle(int code, const Word* w, const Word* end) {
   cycle_level_ = initial;
   cycle_begins_ = false;
   note_moved();
-  if (plan.repeats == 0) return;  // its words are kept for the lines that follow
-  if (plan.w == kZ) hop_ = 0;     // it goes to where the program means
+  if (plan.repeats == 0) return;  // the next lines reuse its parameters
+  if (plan.w == kZ) hop_ = 0;     // the cycle moves to the program's Z, without the hop
   if (any_due_) carry_out(0b111);
   cycle_ = Cycle(plan);
   cycle_feed_ = feed;

@@ -1,4 +1,4 @@
-// Filament: retraction (G10, G11, M209), changes of it (M603, M701, M702), and its flow (M221).
+// Retraction (G10, G11, M209), filament changes (M603, M701, M702) and flow (M221).
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -9,12 +9,12 @@ namespace passo {
 
 namespace {
 
-constexpr double kMinRetractMm = 0.1, kMaxRetractMm = 10;  // that M209 replaces
+constexpr double kMinRetractMm = 0.1, kMaxRetractMm = 10;  // length of a move that M209 replaces
 
 }  // namespace
 
-// Firmware retraction (G10, G11): filament first, then the hop; G11 in the reverse order. `swap`
-// takes the length for a change of tools, which the next G11 gives back.
+// G10 and G11: G10 retracts the filament, then lifts Z; G11 does the reverse. `swap` uses the
+// length for a tool change, which the next G11 returns.
 void Interpreter::run_retract(bool in, bool swap) {
   if (machine_->extruders.empty() || in == drawn_[active_].back) return;
   if (!skips() && (cold >> kE & 1)) return fail(Fault::cold, "E", 0, 0);
@@ -24,25 +24,26 @@ void Interpreter::run_retract(bool in, bool swap) {
     drawn.swapped = swap;
     drawn.mm = swap ? retraction_.swap_mm : retraction_.mm;
     queue_step(kE, -drawn.mm, retraction_.feed_mm_s);
-    if (hop_ > 0) return;  // another extruder's
+    if (hop_ > 0) return;  // another extruder has lifted Z
     hop_ = std::clamp(retraction_.hop_mm, 0.0, std::max(0.0, high_[kZ] - position_[kZ] - gap(kZ)));
     queue_step(kZ, hop_, kInfinity);
   } else {
     queue_step(kZ, -std::exchange(hop_, 0), kInfinity);
     double extra = drawn.swapped ? retraction_.swap_recover_mm : retraction_.recover_mm;
     queue_step(
-        kE, std::max(drawn.mm + extra, 0.0),  // less than nothing is not pushed
+        kE, std::max(drawn.mm + extra, 0.0),  // a negative length is not pushed
         retraction_.recover_feed_mm_s > 0 ? retraction_.recover_feed_mm_s : retraction_.feed_mm_s);
   }
 }
 
-// M209: carries out a retraction (M207, M208) in place of a move of filament alone, by which a
-// slicer retracts. The program's E follows its own words.
+// M209: replaces a move of filament alone, with which a slicer retracts, by the retraction of M207
+// and M208. The program's E changes as its own words say.
 bool Interpreter::retracts(uint32_t have) {
   double mm = move_.target[kE] - position_[kE];
   if (!auto_retract_ || have != 1u << ('E' - 'A')) return false;
   if (std::fabs(mm) < kMinRetractMm || std::fabs(mm) > kMaxRetractMm) return false;
-  if (drawn_[active_].back == (mm < 0)) return false;  // neither a retraction nor its end
+  if (drawn_[active_].back == (mm < 0))
+    return false;  // it neither retracts nor returns a retraction
   run_retract(mm < 0);
   return true;
 }
@@ -56,7 +57,7 @@ void Interpreter::forget_retraction() {
 }
 
 // M603 sets the lengths of a tool's filament path. M701 loads the filament of the tool in use, M702
-// unloads it, both with Z lifted. False: a question.
+// unloads it; both can lift Z meanwhile. Returns false for a query.
 bool Interpreter::run_filament(int code, const Arguments& a) {
   if (code == 603 && a.empty()) return false;
   double tool = a.value('T', double(tool_));
@@ -91,7 +92,7 @@ void Interpreter::leave_filament(size_t extruder, double mm) {
     position_[kE] -= mm;
     arc_.shift(kE, -mm);
   }
-  for (Item& item : pending_)  // of the extruder in use: a change of tools comes after them
+  for (Item& item : pending_)  // a tool change comes after them, so they move the extruder in use
     if (item.found == Found::move && extruder == active_) item.move.target[kE] -= mm;
 }
 

@@ -1,4 +1,4 @@
-// Lines in every dialect, and their events.
+// Reads a line in any dialect, and splits it into commands and events.
 #include <algorithm>
 #include <cctype>
 #include <cstring>
@@ -12,7 +12,7 @@
 namespace passo {
 
 void Interpreter::run_line(const char* p, const char* end) {
-  if (watching()) watched_line_ = WatchedLine();  // a line of a sub-program may come again
+  if (watching()) watched_line_ = WatchedLine();  // a line of a sub-program may run again
   if (!source_ && frames_[0].empty() && ends_text(p, end)) return;
   while (p < end && std::isspace(uint8_t(*p))) ++p;
   while (end > p && std::isspace(uint8_t(end[-1]))) --end;
@@ -24,7 +24,7 @@ void Interpreter::run_line(const char* p, const char* end) {
   if (printable != text.size() || utf_16(text))
     return fail(utf_16(text) ? Fault::utf_16 : Fault::garbage, "", 0, 0);
   const char* q = text.data();
-  if ((*q == 'N' || *q == 'n') && text.size() > 1) {  // line number and checksum of a console
+  if ((*q == 'N' || *q == 'n') && text.size() > 1) {  // a console's line number and checksum
     double number;
     const char* after = q + 1;
     if (read_number(after, q + text.size(), number)) {
@@ -61,7 +61,8 @@ void Interpreter::run_line(const char* p, const char* end) {
   if (!note.empty() && text.empty()) return comment(note);
   text.erase(0, std::min(text.find_first_not_of(" \t"), text.size()));
   if (text.empty()) return;
-  if (text[0] == '/') return pass_on("/", text.substr(1));  // left out where this is set
+  if (text[0] == '/')
+    return pass_on("/", text.substr(1));  // block delete: the line is skipped if that is on
   if (has_name(text)) {
     size_t stop = 0;
     while (stop < text.size() &&
@@ -71,7 +72,7 @@ void Interpreter::run_line(const char* p, const char* end) {
     for (char& c : name) c = char(std::toupper(uint8_t(c)));
     return pass_on(name, text.substr(std::min(stop + 1, text.size())));
   }
-  if (text[0] == '_' || text[0] == '$' || text[0] == '@') {  // $H of grbl, @pause of a host
+  if (text[0] == '_' || text[0] == '$' || text[0] == '@') {  // $H of grbl, @pause of a host program
     size_t stop = text.find(' ');
     return pass_on(text.substr(0, stop), stop == std::string::npos ? "" : text.substr(stop + 1));
   }
@@ -86,9 +87,10 @@ void Interpreter::run_line(const char* p, const char* end) {
   run_words();
 }
 
-// Commands of one line: each G or M word with the words up to the next one; a T word that stands
-// before any other command is one; words before the first command belong to it, unless they name
-// axes or F: then they are a move in the modal way. What follows a move waits until that is taken.
+// Splits a line into commands. Each G or M word starts one, with the words up to the next G or M. A
+// T word before any other command is a command too. Words before the first command belong to it; if
+// they name axes or F, they are a modal move instead. The words after a move wait until next() has
+// returned that move.
 void Interpreter::run_words() {
   std::string_view text = text_;
   Word *w = words_.data() + next_word_, *end = words_.data() + words_.size();
@@ -100,14 +102,14 @@ void Interpreter::run_words() {
     return true;
   };
   if (!std::isalpha(uint8_t(w->letter))) {
-    // A binary begins so.
+    // A binary file has such a character in its first line.
     const bool text_begins = number() > 1 || character_at(text, w->begin).first >= 0;
     return text_begins ? fail_word(Fault::word, std::string(text.substr(w->begin, 20)), text)
                        : fail(Fault::garbage, "", 0, 0);
   }
   auto starts = [&](const Word& x) { return (x.letter == 'G' || x.letter == 'M') && x.number; };
   auto tool = [&](const Word& x) { return x.letter == 'T' && x.whole(); };
-  // Whether this begins a command after a move.
+  // Whether the word starts a new command after a move.
   auto after_move = [&](const Word& x) {
     if (tool(x)) return x.value >= 0 && x.value < double(machine_->tools.size());
     return starts(x) && !(x.letter == 'M' && (!x.whole() || laser_.has('M')));
@@ -116,10 +118,12 @@ void Interpreter::run_words() {
     size_t to = next < end ? next->begin : text.size();
     pass_on(unknown_name(text, *w), text.substr(w->end, to - w->end));
   };
-  if (begins && w->letter == 'O' && letter_slot_['O' - 'A'] < 0) {  // the program's number and name
+  if (begins && w->letter == 'O' &&
+      letter_slot_['O' - 'A'] < 0) {  // number and name of the program
     Word* next = w + 1;
     while (next < end && !(starts(*next) && !std::isalpha(uint8_t(text[next->begin - 1])))) ++next;
-    // Known for a file with sub-programs; unknown for the control of flow in others.
+    // In a file with sub-programs this is a label. In other files O words are control flow, which
+    // Passo does not have.
     const bool text_follows = w + 1 < next && std::isalpha(uint8_t(text[w[1].begin])) != 0;
     if (!subprograms || subprograms->labels.empty() || text_follows) unknown(next);
     next_word_ = next < end ? size_t(next - words_.data()) : 0;
@@ -131,7 +135,7 @@ void Interpreter::run_words() {
     while (next < end && !starts(*next)) ++next;
     const bool motion = moves(w, next);
     if (motion || next == end) {
-      if (!motion && !begins) return;  // further words of a tool
+      if (!motion && !begins) return;  // further words of the T command
       if (!motion) {
         if (w->letter == 'S' && w->number) {
           hear("S", w, end);
@@ -149,7 +153,7 @@ void Interpreter::run_words() {
       first = w;
       if (waits()) return;
     } else {
-      w = next;  // S12000 M3: the words before belong to the command
+      w = next;  // as in S12000 M3: the words belong to the command after them
     }
   }
   while (w < end) {
@@ -181,7 +185,7 @@ void Interpreter::run_words() {
     std::string args(first < w ? std::string(text.substr(from, w->begin - from)) +
                                      std::string(text.substr(w->end, to - w->end))
                                : std::string(text.substr(from, to - from)));
-    std::rotate(first, w, w + 1);  // words before it are its own, too
+    std::rotate(first, w, w + 1);  // the words before it belong to it, too
     run_command(*first, first + 1, next, args);
     w = next;
     first = w;
@@ -189,9 +193,9 @@ void Interpreter::run_words() {
   }
 }
 
-// Whether the program's text is over: by zero bytes up to the end of the file, as a file that was
-// cut off has them, or by the Ctrl-Z of DOS, after which anything may stand but commands. `end`
-// moves to before them.
+// Whether the text of the program has ended before this line. Zero bytes up to the end of the file
+// end it: such a file was cut off. The Ctrl-Z of DOS ends it too; text after it may be anything but
+// commands. If the text ends within this line, `end` becomes that place.
 bool Interpreter::ends_text(const char* p, const char*& end) {
   constexpr char kCtrlZ = 0x1a;
   auto padding = [](char c) { return c == 0 || c == kCtrlZ || std::isspace(uint8_t(c)) != 0; };
@@ -215,7 +219,7 @@ bool Interpreter::ends_text(const char* p, const char*& end) {
   return false;
 }
 
-// Layers and features, as slicers tell them.
+// Reads layers and line types from comments of slicers.
 void Interpreter::comment(std::string_view text) {
   layers.comment(text);
   constexpr std::string_view kType = "TYPE:";
@@ -229,7 +233,7 @@ void Interpreter::comment(std::string_view text) {
   }
 }
 
-// A command that is not a letter and a number, or that is unknown.
+// Passes on a command that is not a letter and a number, or that is unknown.
 void Interpreter::pass_on(std::string_view name, std::string_view text) {
   const Macros& macros = machine_->macros;
   if (macros.any()) {
@@ -245,7 +249,7 @@ void Interpreter::pass_on(std::string_view name, std::string_view text) {
   emit(0, 0, 0, name, text);
 }
 
-// The codes by which macros reach built-in commands become those of the commands.
+// Replaces codes by which a macro calls a built-in command with the code of that command.
 void Interpreter::find_built_in() {
   if (machine_->macros.built_in.empty()) return;
   for (Word& w : words_) {
@@ -284,7 +288,7 @@ void Interpreter::emit(char letter, int number, int minor, std::string_view name
   pending_.push_back(std::move(item));
 }
 
-// The caller must insert() the lines that the call becomes.
+// After this event the caller must insert() the lines of the macro.
 void Interpreter::emit_macro(char letter, int number, int minor, std::string_view name,
                              std::string_view text) {
   while (!text.empty() && std::isspace(uint8_t(text.front()))) text.remove_prefix(1);
@@ -300,7 +304,8 @@ void Interpreter::fail(Fault fault, const std::string& word, double value, doubl
   pending_.push_back(std::move(item));
 }
 
-// A word of the line is none; a character that is not G-code is the reason, if there is one.
+// Reports a word that cannot be read. If the text contains a character that is not G-code, the
+// error names that character.
 void Interpreter::fail_word(Fault fault, const std::string& word, std::string_view text) {
   const Stray stray = find_stray(text, true);
   if (stray.code == 0) return fail(fault, word, 0, 0);
@@ -324,7 +329,7 @@ bool Interpreter::sound(const Word& word) {
   return false;
 }
 
-// Whether a word's letter is among those `seen` in its command, which fails then.
+// Whether the letter is already among those `seen` in this command; if so, reports an error.
 bool Interpreter::repeated(const Word& word, uint32_t& seen) {
   if (word.letter < 'A' || word.letter > 'Z') return false;
   const uint32_t bit = 1u << (word.letter - 'A');
@@ -337,7 +342,7 @@ void Interpreter::note_clamp(int j, double value, double limit) {
     clamped_[j].first = {number(), Fault::out_of_range, axis_name(j), value, limit, {}};
 }
 
-// Whether words without a motion command are a move: they name an axis, F, I or J.
+// Whether words without a motion command are a move: they contain an axis, F, I or J.
 bool Interpreter::moves(const Word* w, const Word* end) const {
   return std::any_of(w, end, [this](const Word& x) {
     return x.letter == 'F' || x.letter == 'I' || x.letter == 'J' || names_axis(x);

@@ -1,4 +1,4 @@
-// G0 to G3 with their words; saved positions, and the way back from home.
+// G0 to G3 with all their words, saved positions, and the return after G28 B.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -16,16 +16,17 @@ void Interpreter::run_motion(int code, const Word* w, const Word* end) {
   uint32_t have = 0, seen = 0;
   uint32_t relative = this->relative();
   bool keeps_feed = true, has_laser = false, timed = false, no_feed = false;
-  // After G43 an H is the number of a tool, also in a line with G0.
+  // After G43, H is the number of a tool, also in a line with G0.
   const Word* first = words_.data() + (words_.front().letter == 'N');
   const bool leads = code < 2 && w == first + 1 && first->letter == 'G' && first->value == code;
-  const Word* motor = nullptr;  // one of `motors`, not at 0 if there is such a one
+  const Word* motor = nullptr;  // the first word of `motors` that is not 0, else the first one
   int turns = 0, special = 0;
   std::string motors;
   for (const Word* x = w; x < end; ++x) {
     std::string shown(1, x->letter);
     int slot = x->letter >= 'A' && x->letter <= 'Z' ? letter_slot_[x->letter - 'A'] : -1;
-    if (x->letter == 'R' && code < 2) {  // all words are absolute except those directly after it
+    if (x->letter == 'R' &&
+        code < 2) {  // all words are positions, except the letters directly after R
       if (x->number) return fail_letter(*x, code);
       relative = 0;
       keeps_feed = false;
@@ -84,19 +85,19 @@ void Interpreter::run_motion(int code, const Word* w, const Word* end) {
     if ((have >> k & 1) && letter_slot_[k] >= 0) axes |= 1u << k;
   if (code >= 2) {
     move_.feed_mm_s = feed;
-    move_.energy_ws = 0;  // an arc knows only a density
+    move_.energy_ws = 0;  // an arc has energy per mm only
     return run_arc(code == 2, value, have, turns);
   }
   double begin[kAxes];
   const bool begins = tool_position(begin) < 0;
   if (!target(value, axes, relative, offset_letters(axes)) || retracts(axes)) return;
-  // Filament is laid from the position that the tool in use was meant to have, not on the way to
-  // it.
+  // A line of filament or an arc starts where the tool in use should be. A travel goes there first.
   if (begins && (axes & ~filament_letters_) != 0 && lays_filament()) queue_offset(begin, feed);
-  queue_straight(timed ? kInfinity : feed, duration, code == 0, energy);  // T in place of F
+  queue_straight(timed ? kInfinity : feed, duration, code == 0, energy);  // T is given instead of F
 }
 
-// A move of motors, or to an endstop (H): its words in machine units, R if they are distances.
+// Reports a move of single motors, or a move to an endstop (H), as an event with words in mm and
+// degrees. R1: the words are distances.
 void Interpreter::emit_special(int kind, const double* value, uint32_t have, uint32_t relative,
                                std::string words) {
   for (int k = 0; k < 26; ++k)
@@ -106,7 +107,7 @@ void Interpreter::emit_special(int kind, const double* value, uint32_t have, uin
   emit(0, 0, 0, kind == 0 ? "G1 A" : "G1 H" + std::to_string(kind), words);
 }
 
-// Whether a word that names no axis may be left out of the command; if not, that fails.
+// Whether a word that names no axis may be ignored; if not, reports an error.
 bool Interpreter::idles(const Word& word, int code) {
   if (word.number && word.value == 0 && idle_letter(word.letter, code)) {
     const uint32_t bit = 1u << (word.letter - 'A');
@@ -118,7 +119,7 @@ bool Interpreter::idles(const Word& word, int code) {
   return false;
 }
 
-// The word of the error is the command, the letter, and the letters of the axes.
+// The error's `word` is the command, the letter, and the letters of all axes.
 void Interpreter::fail_letter(const Word& word, int code) {
   std::string axes;
   for (const char* letter = "XYZABCDEHIJKUVWFGLMNOPQRST"; *letter != 0; ++letter)
@@ -126,7 +127,7 @@ void Interpreter::fail_letter(const Word& word, int code) {
   fail(Fault::letter, code_name('G', code) + " " + word.letter + axes, 0, 0);
 }
 
-// The target that move_ has now.
+// Queues a straight move to the target that move_ has now.
 void Interpreter::queue_straight(double feed, double duration, bool rapid, double energy_ws) {
   move_.energy_ws = energy_ws;
   move_.feed_mm_s = feed;
@@ -142,7 +143,7 @@ void Interpreter::queue_straight(double feed, double duration, bool rapid, doubl
   pending_.push_back(std::move(item));
 }
 
-// A move of slot j by so much, which does not change the program's own coordinates.
+// Queues a move of slot j by the distance `by`. The program's coordinates stay.
 void Interpreter::queue_step(int j, double by, double feed) {
   if (by == 0) return;
   Item item{};
@@ -164,8 +165,8 @@ void Interpreter::queue_step(int j, double by, double feed) {
   pending_.push_back(std::move(item));
 }
 
-// G28 B: back to machine position `to`, X and Y first, unless arms lift them together with Z: where
-// these are at home they have no room to the side.
+// G28 B: returns to machine position `to`, X and Y first, then Z. If arms move Z too, all axes move
+// together: at home the arms have no room to the side.
 void Interpreter::queue_return(const double* to) {
   here(move_.target);
   const bool together = machine_->axes[size_t(kZ)].by_arms;
@@ -178,8 +179,9 @@ void Interpreter::queue_return(const double* to) {
   queue_straight(kInfinity, 0, true);
 }
 
-// G60 saves the program's position as S. G61 returns to it with the axes that it names, offset by
-// their words, with X, Y, Z if it names none. F counts for this move alone.
+// G60 saves the program's position in slot S. G61 returns to it along the axes that it names, or
+// along X, Y and Z if it names none. A word's value is added to the saved position. F applies to
+// this move only.
 void Interpreter::run_saved(bool save, const Word* w, const Word* end) {
   double value[26] = {}, feed = kInfinity, slot = 0;
   uint32_t have = 0;
@@ -205,7 +207,7 @@ void Interpreter::run_saved(bool save, const Word* w, const Word* end) {
   }
   if (!saved.valid) return fail(Fault::unsaved, "S", slot, 0);
   if (have == 0) have = 1u << ('X' - 'A') | 1u << ('Y' - 'A') | 1u << ('Z' - 'A');
-  for (int k = 0; k < 26; ++k) {  // as relative words
+  for (int k = 0; k < 26; ++k) {  // as distances
     if ((have >> k & 1) == 0) continue;
     int j = letter_slot_[k];
     double by = saved.at[j] + value[k] - meant(j);
@@ -214,7 +216,7 @@ void Interpreter::run_saved(bool save, const Word* w, const Word* end) {
   if (target(value, have, ~0u, offset_letters(have))) queue_straight(feed, 0, false);
 }
 
-// A laser's or spindle's power, of a move's S word.
+// Reports the S word of a move, the power of a laser or spindle.
 void Interpreter::emit_power(double power) {
   char text[40];
   std::snprintf(text, sizeof text, "S%.6g", power);

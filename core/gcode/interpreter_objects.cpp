@@ -1,5 +1,4 @@
-// Objects of a print that are cancelled: their moves are skipped, and the machine moves on after
-// them.
+// Cancelled objects of a print: skips their moves, and moves on to the next object after them.
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -10,7 +9,7 @@
 
 namespace passo {
 
-// A command about objects. The program's own are carried out here; a console's go to the caller.
+// Carries out a command about objects if the program contains it. A console's goes to the caller.
 void Interpreter::run_objects(std::string_view code, std::string_view text) {
   while (!text.empty() && std::isspace(uint8_t(text.front()))) text.remove_prefix(1);
   if (source_) return code == "M486" ? emit('M', 486, 0, "", text) : emit(0, 0, 0, code, text);
@@ -51,7 +50,7 @@ void Interpreter::obey(const ObjectOrder& order) {
   }
 }
 
-// Another program begins: it has no objects yet, and begins where the machine is.
+// A new program starts: it has no objects yet, and starts at the machine's position.
 void Interpreter::forget_objects() {
   objects_ = std::make_shared<Objects>();
   object_lines_.clear();
@@ -62,8 +61,7 @@ void Interpreter::forget_objects() {
   apart_ = false;
 }
 
-// The machine's filament at slot j ends elsewhere by so much than the program expects; the
-// program's E does not change.
+// The filament of slot j will end `mm` further than the program expects. The program's E stays.
 void Interpreter::pass_filament(int j, double mm) {
   arc_.shift(j, mm);
   for (Item& item : pending_)
@@ -78,7 +76,8 @@ void Interpreter::look_apart() {
   std::for_each(std::begin(axis_strands_), std::end(axis_strands_), differs);
 }
 
-// A move of the program while its object is cancelled, or after that. Dwells take place.
+// Takes a move of the program while its object is cancelled or directly after that. Dwells are
+// carried out.
 bool Interpreter::take_apart(MoveRequest& m) {
   if (m.kind == MoveKind::dwell && m.duration_s > 0) return take_now(m, true);
   if (!skips()) return join(m);
@@ -86,8 +85,8 @@ bool Interpreter::take_apart(MoveRequest& m) {
   return false;
 }
 
-// The program continues without moving the machine. Of filament only the retraction counts:
-// filament of the skipped part is not laid later.
+// Advances the program without moving the machine. Filament that the skipped moves extrude is
+// dropped; a retraction is remembered in the strand's excess.
 void Interpreter::skip(const MoveRequest& m) {
   bool forward = false, back = false, travels = false;
   for (int j = 0; j < kAxes; ++j) {
@@ -112,11 +111,11 @@ void Interpreter::skip(const MoveRequest& m) {
   look_apart();
 }
 
-// The first moves of the program that take place again. A retraction or a lift takes place where
-// the machine is. Any other move first brings it to the program's position: up, across and down,
-// with the filament retracted as in the program, and none laid on the way.
+// The first moves after a cancelled object. A retraction or a lift takes place at the machine's
+// position. Any other move first brings the machine to the program's position: up, across and down.
+// Before that, the filament is retracted as far as the program has retracted it.
 bool Interpreter::join(const MoveRequest& m) {
-  double start[kAxes], by[kAxes];  // where the program is, and how far it goes
+  double start[kAxes], by[kAxes];  // position of the program, and distance of its move
   here(start);
   bool forward = false, across = false, any = false;
   for (int j = 0; j < kAxes; ++j) {
@@ -135,7 +134,7 @@ bool Interpreter::join(const MoveRequest& m) {
   }
 
   std::vector<Item> way;
-  double at[kAxes];  // where the way leads so far
+  double at[kAxes];  // end of the moves queued so far
   std::copy(position_, position_ + kAxes, at);
   auto as_meant = [&] {
     Item item{};
@@ -145,7 +144,7 @@ bool Interpreter::join(const MoveRequest& m) {
     std::copy(at, at + kAxes, item.move.target);
     way.push_back(std::move(item));
   };
-  // A move of the way, which is not part of the program.
+  // Queues a travel that is not part of the program.
   auto step = [&](double feed) {
     as_meant();
     MoveRequest& s = way.back().move;
@@ -157,9 +156,9 @@ bool Interpreter::join(const MoveRequest& m) {
     s.duration_s = s.energy_ws = s.hop_mm = s.flow = 0;
     s.radius_mm = kInfinity;
     s.arc_inner = false;
-    s.rapid = true;  // no laser burns on it
+    s.rapid = true;  // the laser is off
   };
-  // Filament of the way: `mm` of slot j, while the program moves it by `meant`.
+  // Moves the filament of slot j by `mm`, while the program moves it by `meant`.
   auto feed_strand = [&](int j, double mm, double meant) {
     Strand& strand = strand_of(j);
     const double drawn = owed_after(strand.drawn, mm);
@@ -174,7 +173,7 @@ bool Interpreter::join(const MoveRequest& m) {
     for (int j = 0; j < kAxes; ++j)
       if (is_filament(j) && (j != kE || !extruder_.empty())) with(j, strand_of(j));
   };
-  // It is drawn back as the program means from now on, or only of the converter further.
+  // Retracts or returns filament as far as the program has. With `only_back`, only retracts.
   auto settle = [&](bool only_back) {
     bool moves = false;
     each_strand([&](int j, Strand& strand) {
@@ -184,7 +183,7 @@ bool Interpreter::join(const MoveRequest& m) {
     });
     if (moves) step(skipped_strand_feed_);
   };
-  // The program's retraction within m, if the filament is not drawn back so far already.
+  // Carries out the retraction within m, less what is retracted already.
   auto retract = [&] {
     each_strand([&](int j, Strand& strand) {
       if (by[j] < 0) feed_strand(j, std::min(0.0, by[j] + strand.excess), by[j]);

@@ -1,4 +1,4 @@
-// What sets the state of a program from outside: homing, stops, and other programs.
+// Changes of the state from outside: homing, stops, and the state of another program.
 #include <algorithm>
 #include <iterator>
 #include <utility>
@@ -27,7 +27,7 @@ Interpreter::Interpreter(const Machine& machine, std::vector<double> home, const
     const int j = slot_of_axis(int(i));
     low_[j] = machine.axes[i].min;
     high_[j] = machine.axes[i].max;
-    // Arms that move no Z may not reach the origin: their machine begins at home.
+    // Arms that do not move Z may not reach the origin: such a machine starts at home.
     if (machine.axes[i].by_arms && !machine.axes[size_t(kZ)].by_arms) position_[j] = home_[i];
     homed_[j] = home_[i];
   }
@@ -35,7 +35,7 @@ Interpreter::Interpreter(const Machine& machine, std::vector<double> home, const
   features_.push_back("");
 }
 
-// How far a step of each motor moves an axis at home.
+// Measures how far one motor step moves each axis at the home position.
 void Interpreter::measure_steps() {
   const Geometry& geometry = *machine_->geometry;
   double step[3] = {}, q[3], p[3];
@@ -57,7 +57,7 @@ void Interpreter::restart(uint32_t first) {
   frames_[source_].clear();
   if (!source_) {
     ended_line_ = 0;
-    object_lines_.clear();  // its lines are in order
+    object_lines_.clear();  // its line numbers must increase
   }
   if (first == 1) layers = LayerCounter();
   if (first == 1 && !source_) {
@@ -79,7 +79,7 @@ void Interpreter::abandon(const double* position, const std::vector<double>& ext
   extruder_ = extruders;
   std::copy(position, position + kAxes, position_);
   if (!extruder_.empty()) position_[kE] = extruder_[active_];
-  // The move that was to carry out the tool's offset has not begun: the offset is still due.
+  // The move that included the tool's offset has not started: the offset is due again.
   if (owed_.line == number() && owed_.tool == tool_ &&
       std::equal(owed_.from, owed_.from + 3, position_))
     owe(owed_.mm);
@@ -154,7 +154,8 @@ void Interpreter::home(const std::string& letters) {
     origin_[j] = j < 3 ? offset_[j] - tool_offset(j) : 0;
     owe(j, 0);
     double c[3];
-    if (j == kZ || !machine_->geometry->linear(kZ, c)) hop_ = 0;  // all arms home together
+    if (j == kZ || !machine_->geometry->linear(kZ, c))
+      hop_ = 0;  // arms that move Z are all at home now
   }
 }
 

@@ -1,4 +1,4 @@
-// Changes of tool, and the offsets that the next moves carry out.
+// Tool changes, and tool offsets that the next moves carry out.
 #include <algorithm>
 #include <utility>
 
@@ -21,8 +21,9 @@ void Interpreter::take_tool(size_t tool) {
 void Interpreter::select_tool(const Word& word) {
   if (!sound(word)) return;
   int tool = int(word.value);
-  if (tool == 0 && machine_->tools.empty()) return;        // extruders are axes
-  if (tool < 0) return pass_on(code_name('T', tool), "");  // it may mean none: no change
+  if (tool == 0 && machine_->tools.empty()) return;  // extruders are axes
+  if (tool < 0)
+    return pass_on(code_name('T', tool), "");  // T-1 may mean no tool: the caller decides
   hear(code_name('T', tool), nullptr, nullptr);
   if (size_t(tool) >= machine_->tools.size()) {
     if (!ignore_tools) return fail(Fault::missing_tool, "T", tool, double(machine_->tools.size()));
@@ -30,7 +31,8 @@ void Interpreter::select_tool(const Word& word) {
   }
   take_tool(size_t(tool));
   emit('T', tool, 0, "", "");
-  // This extruder's G11 will not lower Z: without this it would print in the air.
+  // The G11 of the new extruder will not lower Z, so the hop ends now. Otherwise the tool would
+  // print in the air.
   if (!extruder_.empty() && !drawn_[active_].back)
     queue_step(kZ, -std::exchange(hop_, 0), kInfinity);
 }
@@ -40,9 +42,9 @@ void Interpreter::shift_tool(int j, double mm) {
   owe(j, due_[j] - (mm - tool_offset(j)));
 }
 
-// Letters of axes that a move with axes `have` also moves: by the offset of a tool that no move has
-// carried out yet. Not a move of filament alone, nor one in the machine's own coordinates; an axis
-// that is not homed has no offset to keep.
+// Letters of further axes that a move of the axes `have` also moves, because a tool offset is due.
+// There are none for a move of filament alone or in machine coordinates (G53), and none for axes
+// that are not homed.
 uint32_t Interpreter::offset_letters(uint32_t have, bool arc) const {
   if (!any_due_ || machine_zero_ || (!arc && (have & ~filament_letters_) == 0)) return 0;
   uint32_t letters = 0;
@@ -51,7 +53,7 @@ uint32_t Interpreter::offset_letters(uint32_t have, bool arc) const {
   return letters & ~have;
 }
 
-// The move that has just got its target moves these slots: their offsets are done.
+// The move whose target was just calculated carries out the offsets of the slots `moved`.
 void Interpreter::carry_out(uint8_t moved) {
   for (int j = 0; j < 3; ++j) owed_.from[j] = position_[j], owed_.mm[j] = due_[j];
   owed_.tool = tool_;
@@ -60,8 +62,8 @@ void Interpreter::carry_out(uint8_t moved) {
     if (moved >> j & 1) owe(j, 0);
 }
 
-// Where the machine is once it has carried out the offset that is due. Returns the slot of an axis
-// for which that is beyond its limit, where `at` ends, or -1.
+// Sets `at` to the machine's position once the offset that is due is carried out. Returns the slot
+// that would be beyond its limit, where `at` ends; -1 if there is none.
 int Interpreter::tool_position(double* at) const {
   here(at);
   int out = -1;
@@ -77,14 +79,14 @@ int Interpreter::tool_position(double* at) const {
   return out;
 }
 
-// Whether the target that move_ has now takes filament forward.
+// Whether the target of move_ extrudes filament.
 bool Interpreter::lays_filament() const {
   for (int j = 0; j < kAxes; ++j)
     if (is_filament(j) && move_.target[j] > position_[j]) return true;
   return false;
 }
 
-// A travel to `to`, from where a line of filament or an arc begins with the tool in use.
+// Queues a travel to `to`, where a line of filament or an arc starts with the tool in use.
 void Interpreter::queue_offset(const double* to, double feed) {
   Item item{};
   item.found = Found::move;
@@ -98,7 +100,7 @@ void Interpreter::queue_offset(const double* to, double feed) {
   m.hop_mm = hop_;
   m.feed_mm_s = feed;
   m.radius_mm = kInfinity;
-  m.rapid = true;  // no laser burns on it
+  m.rapid = true;  // the laser is off
   stamp(m);
   m.kind = MoveKind::travel;
   pending_.push_back(std::move(item));

@@ -1,4 +1,4 @@
-// Which layer a program prints: by the comments of its slicer, else by the heights at which it
+// Counts the layers of a program: by comments of its slicer, else by the heights at which it
 // extrudes.
 #pragma once
 #include <algorithm>
@@ -10,10 +10,10 @@
 
 namespace passo {
 
-// The comments with which slicers begin a layer. A file may have the comments of two kinds, for
-// example of its slicer and for a host: then only one kind counts.
+// Comments with which slicers mark a layer. A file may contain two kinds, for example one of its
+// slicer and one for a host. Then only one kind counts.
 enum class LayerMark : uint8_t {
-  none,          // not a mark
+  none,          // no layer mark
   number,        // ;LAYER:3
   change,        // ;LAYER_CHANGE
   changed,       // ; CHANGE_LAYER
@@ -21,11 +21,11 @@ enum class LayerMark : uint8_t {
 };
 inline constexpr size_t kLayerMarks = 5;
 
-// The mark in a comment: its text after ';'.
+// The mark in a comment; `text` is what follows the ';'.
 inline LayerMark layer_mark(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  auto rest = [&](std::string_view word) {  // after the word in upper or lower case; null: the word
-                                            // is missing
+  auto rest = [&](std::string_view word) {  // the text after `word`, upper and lower case alike;
+                                            // null if `text` does not begin with it is missing
     if (text.size() < word.size()) return static_cast<const char*>(nullptr);
     for (size_t i = 0; i < word.size(); ++i)
       if (std::toupper(uint8_t(text[i])) != word[i]) return static_cast<const char*>(nullptr);
@@ -44,11 +44,11 @@ inline LayerMark layer_mark(std::string_view text) {
   return LayerMark::none;
 }
 
-// The number of marks of each kind in a program.
+// Counts the marks of each kind in a program.
 class LayerMarks {
  public:
   void comment(std::string_view text) { ++times_[size_t(layer_mark(text))]; }
-  // The most frequent kind; none: the program does not mark layers.
+  // The most frequent kind; none if the program marks no layers.
   LayerMark kind() const {
     const auto most = std::max_element(times_.begin() + 1, times_.end());
     return *most ? LayerMark(most - times_.begin()) : LayerMark::none;
@@ -58,18 +58,16 @@ class LayerMarks {
   std::array<uint32_t, kLayerMarks> times_{};
 };
 
-// Counts layers from 1; what comes before the first one is in layer 0.
-//
-// Without marks a layer begins where the program extrudes along X or Y at another height than the
-// layer's, if it went there without extruding: so neither a lift between two moves nor filament
-// that is primed begins one. Down, too: the next object of several begins at the bed. While all
-// that was extruded is a line above the first layer, as at the edge of the bed, both are layer 1.
-// Where the height changes while extruding, in a spiral, a layer begins after each rise by the
-// height of the last layer.
+// Counts layers from 1. Layer 0 is everything before the first layer.  Without marks, a layer
+// starts when the program extrudes along X or Y at a new height that it has reached without
+// extruding. So neither a hop between two moves nor priming starts a layer. A lower height starts
+// one too: the next of several objects starts at the bed. If the first extrusion is a line above
+// the first layer, as at the edge of the bed, both are layer 1. If the height rises during
+// extrusion, as in a spiral, a layer starts after each rise by the height of the last layer.
 class LayerCounter {
  public:
-  // The marks of the program that is being read; none if it has none. Until they are known, the
-  // first mark decides, and heights count as long as there is no mark.
+  // The kind of marks in the program; none if it has none. Before expect(), the kind of the first
+  // mark counts, and heights count until the first mark.
   void expect(LayerMark kind) {
     kind_ = kind;
     expected_ = true;
@@ -83,10 +81,10 @@ class LayerCounter {
     }
     if (mark == kind_) ++count_;
   }
-  // A move that extrudes along X or Y, between two heights of the nozzle, mm.
+  // A move extrudes along X or Y between two nozzle heights, mm.
   void extrude(double from, double to) {
     if (kind_ != LayerMark::none) return;
-    const bool went = std::fabs(from - last_) > kSame;  // there, without extruding
+    const bool went = std::fabs(from - last_) > kSame;  // reached without extruding
     const double rise = to - base_;
     last_ = to;
     if (count_ == 0) {
@@ -106,13 +104,14 @@ class LayerCounter {
   uint32_t count() const { return count_; }
 
  private:
-  static constexpr double kSame = 0.015;  // mm by which heights of one layer may differ
-  static constexpr double kThickest = 2;  // mm, a layer's height at most
-  static constexpr double kUsual = 0.2;   // mm, of a layer whose height is not known
+  static constexpr double kSame = 0.015;  // maximum difference of heights within a layer, mm
+  static constexpr double kThickest = 2;  // maximum height of a layer, mm
+  static constexpr double kUsual = 0.2;   // height of a layer until one is measured, mm
   LayerMark kind_ = LayerMark::none;
   bool expected_ = false;
   uint32_t count_ = 0;
-  double base_ = 0, height_ = kUsual, last_ = 0;  // of the layer: where it begins; of the last move
+  double base_ = 0, height_ = kUsual,
+         last_ = 0;  // start and height of the layer; height of the last move
 
   void begin(double base) {
     ++count_;

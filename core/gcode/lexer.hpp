@@ -1,5 +1,5 @@
-// Text → lines → words. One lexer for files, consoles and single lines; memory is bounded by the
-// longest line that is not a comment.
+// Splits text into lines. The same lexer reads files, consoles and single lines. It holds one line
+// at most, without its comment.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,8 @@ inline constexpr double kPowersOfTen[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e
                                           1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 inline constexpr double kLargestWord = 1e9;
 
-// Reads a decimal number without exponent. False if there is none; then p stays.
+// Reads a decimal number without an exponent. If there is none, returns false and leaves p
+// unchanged.
 inline bool read_number(const char*& p, const char* end, double& value) {
   const char* q = p;
   bool negative = false;
@@ -53,14 +54,14 @@ inline bool read_number(const char*& p, const char* end, double& value) {
   return true;
 }
 
-// Cuts a stream of bytes into lines, which end with LF, CR LF or CR. A byte order mark before the
-// first line is removed.
+// Splits a stream of bytes into lines, which end with LF, CR LF or CR. Removes a byte order mark
+// before the first line.
 class Lines {
  public:
-  static constexpr size_t kMaxLineBytes = 65536;  // bytes of a line, comment not counted
+  static constexpr size_t kMaxLineBytes = 65536;  // without comment
 
   Lines() = default;
-  // The first line fed has the number `first`.
+  // The first line has the number `first`.
   explicit Lines(uint32_t first) : number_(first - 1) {}
   void feed(const char* data, size_t n) {
     if (at_ > 0) {
@@ -75,13 +76,13 @@ class Lines {
   void finish() { finished_ = true; }
   bool finished() const { return finished_; }
   uint32_t number() const { return number_; }
-  bool unended() const { return unended_; }  // the last line of all, without a line end
-  // Bytes fed that belong to the lines handed out so far.
+  bool unended() const { return unended_; }  // the last line of the text has no line end
+  // Number of bytes in the lines returned so far.
   uint64_t offset() const { return fed_ - (buffer_.size() - at_); }
   bool too_long() const { return too_long_; }
 
-  // The next line without its end; one that is too long is empty, and comes before its end does.
-  // False: more input is needed, or all is read.
+  // Returns the next line without its line end. A line that is too long is returned as an empty
+  // line, before its end arrives. False if more input is needed, or if the text has ended.
   bool next(const char*& begin, const char*& end) {
     const char* stop = buffer_.data() + buffer_.size();
     const char* newline = line_end();
@@ -94,7 +95,7 @@ class Lines {
       return true;
     }
     if (newline && *newline == '\r' && newline + 1 == stop && !finished_) {
-      scanned_ = size_t(newline - buffer_.data()) - at_;  // what comes next may be its LF
+      scanned_ = size_t(newline - buffer_.data()) - at_;  // an LF may follow
       return false;
     }
     if (!newline && at_ == buffer_.size() && !cut_) return false;
@@ -118,15 +119,15 @@ class Lines {
 
  private:
   std::string buffer_;
-  size_t at_ = 0, scanned_ = 0;  // no CR in the first scanned_ bytes of the line at at_
-  size_t feed_at_ = 0;           // no LF from at_ to here
+  size_t at_ = 0, scanned_ = 0;  // no CR in the first scanned_ bytes from at_ on
+  size_t feed_at_ = 0;           // no LF between at_ and here
   uint64_t fed_ = 0;
   uint32_t number_ = 0;
   bool finished_ = false, dropped_ = false, too_long_ = false, cut_ = false, unended_ = false;
   bool reported_ = false;  // the line at at_ was reported as too long before its end was received
 
-  // The first LF or CR of the line; null if there is none yet. The LF is looked for once for all
-  // lines that end with a CR before it.
+  // The first LF or CR of the line; null if there is none yet. feed_at_ keeps the place of the next
+  // LF for all lines before it that end with a CR.
   const char* line_end() {
     const char* all = buffer_.data();
     feed_at_ = std::max(feed_at_, at_);
@@ -140,7 +141,7 @@ class Lines {
     return feed_at_ < buffer_.size() ? all + feed_at_ : nullptr;
   }
 
-  // The line at at_, without a byte order mark.
+  // Start of the line at at_, after a byte order mark.
   const char* text_begin() const {
     const char* from = buffer_.data() + at_;
     const bool marked =
@@ -148,8 +149,8 @@ class Lines {
     return marked ? from + 3 : from;
   }
 
-  // The end of the kept part of a long line: its comment is dropped, and the text after a zero byte
-  // or a Ctrl-Z; without them, all of it is kept.
+  // Shortens a long line: drops its comment, or the text after a zero byte or a Ctrl-Z. A line that
+  // is too long without them is dropped.
   const char* kept(const char* begin, const char* end) {
     const char* stop = begin + std::min(kMaxLineBytes, size_t(end - begin));
     const char* rest =
@@ -158,8 +159,8 @@ class Lines {
     return rest == stop ? begin : rest + 1;
   }
 
-  // Bounds the memory of a line whose end has not been received yet. The result is the same as if
-  // the line had been received at once.
+  // Bounds the memory of a line whose end has not arrived yet. The result is the same as if the
+  // whole line had arrived at once.
   void shorten(const char* stop) {
     const char* begin = text_begin();
     if (size_t(stop - begin) > kMaxLineBytes) {

@@ -1,4 +1,4 @@
-// The objects of a print, as slicers label them: M486 of Marlin, EXCLUDE_OBJECT of Klipper.
+// Objects of a print, as slicers label them: M486 of Marlin, EXCLUDE_OBJECT of Klipper.
 #pragma once
 #include <algorithm>
 #include <atomic>
@@ -20,17 +20,17 @@ namespace passo {
 
 enum class ObjectAction : uint8_t {
   count,           // the print has at least `number` objects
-  define,          // `name`, with `centre` and `outline`
-  begin,           // what follows belongs to `number`, or to `name`
-  name,            // of the object that has begun
-  end,             // what follows belongs to none
-  cancel,          // `number`, or `name`
-  cancel_current,  // the one that is printed
-  restore,         // `number`, or `name`
+  define,          // sets `centre` and `outline` of the object `name`
+  begin,           // the next lines belong to object `number`, or to `name`
+  name,            // names the current object
+  end,             // the next lines belong to no object
+  cancel,          // object `number`, or `name`
+  cancel_current,  // the object that is being printed
+  restore,         // object `number`, or `name`
   restore_all
 };
 
-// `number` is negative where the command gives a name.
+// A command about objects. `number` is negative if the command gives a name instead.
 struct ObjectOrder {
   ObjectAction action;
   int number = -1;
@@ -38,7 +38,7 @@ struct ObjectOrder {
 };
 
 // Whether a line begins with a command about objects, whose labels may contain comment characters.
-// Returns the length of its code, else 0.
+// Returns the length of the code, else 0.
 inline size_t object_code(std::string_view text) {
   static constexpr std::string_view kCodes[] = {"EXCLUDE_OBJECT_DEFINE", "EXCLUDE_OBJECT_START",
                                                 "EXCLUDE_OBJECT_END", "EXCLUDE_OBJECT", "M486"};
@@ -61,7 +61,7 @@ inline std::string_view without_comment(std::string_view text) {
   size_t end = 0;
   for (; end < text.size() && text[end] != ';'; ++end) {
     if (text[end] != '"' && text[end] != '\'') continue;
-    // Before a value: "Bob's" is one without quotes.
+    // A quote opens only before a value: "Bob's" contains none.
     const bool opens = end == 0 || text[end - 1] == '=' ||
                        std::toupper(uint8_t(text[end - 1])) == 'A' ||
                        std::isspace(uint8_t(text[end - 1]));
@@ -75,10 +75,10 @@ inline std::string_view without_comment(std::string_view text) {
 class ObjectText {
  public:
   static constexpr int kMaxObjects = 10'000;
-  static constexpr size_t kMaxNameBytes = 200;  // bytes
+  static constexpr size_t kMaxNameBytes = 200;
 
-  // The actions of a command; `text` is the text after its code. Parts that cannot be read are
-  // ignored: a label must not stop a print.
+  // Reads the actions of a command; `text` is the text after its code. Ignores parts that cannot be
+  // read: a label must not stop a print.
   static std::vector<ObjectOrder> read(std::string_view code, std::string_view text) {
     return code == "M486" ? of_marlin(text) : of_klipper(code, text);
   }
@@ -91,7 +91,7 @@ class ObjectText {
         text.back() == text.front())
       text = text.substr(1, text.size() - 2);
     std::string name = readable(text);
-    if (name.size() > kMaxNameBytes) {  // not in the middle of a character
+    if (name.size() > kMaxNameBytes) {  // do not cut a character
       size_t stop = kMaxNameBytes;
       while (stop > 0 && (uint8_t(name[stop]) & 0xc0) == 0x80) --stop;
       name.resize(stop);
@@ -132,11 +132,11 @@ class ObjectText {
                           number, "", "", ""});
     }
     if (!label.name.empty())
-      orders.push_back(std::move(label));  // of the object that the line
+      orders.push_back(std::move(label));  // after S: the name is that of the new object
                                            // begins
     return orders;
   }
-  // The end of a quoted text at the beginning; npos without one.
+  // The end of a quoted text at the beginning of `text`; npos if there is none.
   static size_t quoted(std::string_view text) {
     const size_t open = text.find_first_not_of(" \t");
     if (open == std::string_view::npos || (text[open] != '"' && text[open] != '\''))
@@ -145,7 +145,7 @@ class ObjectText {
     return close == std::string_view::npos ? close : close + 1;
   }
 
-  // The value of KEY=…: in quotes, or up to the next key.
+  // Finds the value of KEY=…, which is in quotes or ends before the next key.
   static bool value_of(std::string_view text, std::string_view key, std::string& value) {
     size_t at = 0;
     while (at < text.size()) {
@@ -171,7 +171,7 @@ class ObjectText {
   static size_t end_of_value(std::string_view text, size_t at) {
     if (const size_t close = quoted(text.substr(at)); close != std::string_view::npos)
       return at + close;
-    // A name may hold blanks: it ends before a blank that a key and '=' follow.
+    // A name may contain blanks: it ends before a blank that a key and '=' follow.
     for (size_t blank = at; blank < text.size(); ++blank) {
       if (!std::isspace(uint8_t(text[blank]))) continue;
       size_t key = blank + 1;
@@ -207,18 +207,17 @@ class ObjectText {
 };
 
 struct PrintObject {
-  std::string name, centre, outline;  // as the file writes them; empty: not given
+  std::string name, centre, outline;  // as in the file; empty if not given
   bool cancelled = false;
 };
 
-// The objects of one print, numbered in the order in which the file begins them. All readers of the
-// file share them.
+// The objects of one print, numbered in the order of the file. All readers of the file share them.
 class Objects {
  public:
-  static constexpr size_t kMaxOutlineBytes = size_t(4) << 20;  // bytes; the rest is dropped
+  static constexpr size_t kMaxOutlineBytes = size_t(4) << 20;  // further outlines are dropped
 
   const std::vector<PrintObject>& all() const { return all_; }
-  // The value changes with each change of the objects, and for each print.
+  // A new value after each change of the objects, and for each print.
   uint64_t version() const { return version_; }
   bool cancelled(int number) const { return all_[size_t(number)].cancelled; }
 
@@ -226,14 +225,14 @@ class Objects {
     count = std::min(count, ObjectText::kMaxObjects);
     if (size_t(count) > all_.size()) all_.resize(size_t(count)), renew();
   }
-  // -1: there are too many.
+  // Returns the number; -1 if there are too many objects.
   int numbered(int number) {
     if (number >= ObjectText::kMaxObjects) return -1;
     reserve(number + 1);
     return number;
   }
-  // The first of this name. If there is none, the first without a name gets it, or a further one;
-  // -1: there are too many.
+  // The first object of this name. If there is none, the first unnamed or a new object gets the
+  // name. Returns -1 if there are too many objects.
   int named(const std::string& name) {
     if (const auto found = find(name); !found.empty()) return found.front();
     while (unnamed_ < all_.size() && !all_[unnamed_].name.empty()) ++unnamed_;
@@ -266,7 +265,7 @@ class Objects {
   void restore_all() {
     for (size_t i = 0; i < all_.size(); ++i) cancel(int(i), false);
   }
-  // Takes over the names and places that another reader of the same file has found.
+  // Copies the names and places that another reader of the same file has found.
   void learn(const Objects& other) {
     reserve(int(other.all_.size()));
     for (size_t i = 0; i < other.all_.size(); ++i) {
@@ -277,7 +276,7 @@ class Objects {
     outlines_ = other.outlines_;
     renew();
   }
-  // Numbers of the objects of this name; upper and lower case of ASCII are the same.
+  // Numbers of the objects of this name. Upper and lower case ASCII letters are equal.
   std::vector<int> find(const std::string& name) const {
     std::vector<int> found;
     for (size_t i = 0; i < all_.size(); ++i)
@@ -288,7 +287,7 @@ class Objects {
  private:
   std::vector<PrintObject> all_;
   size_t outlines_ = 0;
-  size_t unnamed_ = 0;  // all before it have a name
+  size_t unnamed_ = 0;  // all objects before this one have a name
   uint64_t version_ = renew();
 
   uint64_t renew() {
@@ -302,17 +301,18 @@ class Objects {
   }
 };
 
-// The object that each of the latest lines of the program belongs to.
+// Keeps which object each recent line of the program belongs to.
 class ObjectLines {
  public:
-  // From this line on. Lines come in order, those of one call of a sub-program with the same one.
+  // Lines from `line` on belong to `object`. Line numbers must not decrease. All lines of a
+  // sub-program's call have the number of the call.
   void add(uint32_t line, int object) {
     if (!starts_.empty() && starts_.back().first == line) starts_.pop_back();
     starts_.emplace_back(line, object);
     if (starts_.size() > kMaxStarts) starts_.pop_front();
   }
   void clear() { starts_.clear(); }
-  // -1: none.
+  // The object of a line; -1 if there is none.
   int at(uint32_t line) const {
     auto next = std::upper_bound(starts_.begin(), starts_.end(), line,
                                  [](uint32_t l, const auto& start) { return l < start.first; });

@@ -1,5 +1,5 @@
-// Characters that are not G-code, in a line that cannot be read as written, or would be read as
-// something else: `E31,0`, `X1.2.3`, `#1=5`, `M104 S200 — hot`.
+// Finds characters that are not G-code, in a line that cannot be read or would be misread: `E31,0`,
+// `X1.2.3`, `#1=5`, `M104 S200 — hot`.
 #pragma once
 #include <algorithm>
 #include <cctype>
@@ -12,12 +12,13 @@
 namespace passo {
 
 struct Stray {
-  std::string token;  // the text between the blanks around it, in UTF-8; U+FFFD for invalid bytes
-  int64_t code = 0;   // of the character; a byte that is not UTF-8: below 0; 0 without one
+  std::string token;  // the text around the character, up to the next blanks, in UTF-8; U+FFFD for
+                      // invalid bytes
+  int64_t code = 0;  // of the character; negative for a byte that is not UTF-8; 0 if none was found
 };
 
-// Text of two bytes a character, as some editors save it: with its mark, or with every second byte
-// zero.
+// Whether the text is UTF-16, as some editors save it: it has a byte order mark, or every second
+// byte is 0.
 inline bool utf_16(std::string_view line) {
   if (line.substr(0, 2) == "\xff\xfe" || line.substr(0, 2) == "\xfe\xff") return true;
   bool zeros[2] = {true, true}, others[2] = {true, true};
@@ -28,7 +29,7 @@ inline bool utf_16(std::string_view line) {
   return line.size() > 2 && ((zeros[0] && others[1]) || (others[0] && zeros[1]));
 }
 
-// Dashes, quotes, blanks and full-width letters that editors and web pages put in place of ASCII.
+// Dashes, quotes, blanks and full-width letters that editors and web pages insert instead of ASCII.
 inline bool typographic(int64_t code) {
   return code == 0xa0 || code == 0xab || code == 0xad || code == 0xbb || code == 0x1680 ||
          code == 0x180e || (code >= 0x2000 && code <= 0x206f) || code == 0x2212 || code == 0x3000 ||
@@ -52,16 +53,17 @@ inline Stray stray_at(std::string_view text, size_t at, int64_t code) {
   return stray;
 }
 
-// The first character of a command's text that is not G-code. `any`: the text cannot be read at
-// all. Otherwise only one that changes the meaning of the text, or that no user writes on purpose;
-// not a remark without `;`, for example. Text in quotes or in parentheses does not count.
+// The first character that is not G-code in the text of a command. With `any`, the text cannot be
+// read at all, and every such character counts. Otherwise a character counts only if it changes the
+// meaning of the text, or if it is there by mistake; a remark without `;` is ignored, for example.
+// Text in quotes or in parentheses is ignored.
 inline Stray find_stray(std::string_view text, bool any) {
   auto digit = [&](size_t i) { return i < text.size() && std::isdigit(uint8_t(text[i])) != 0; };
   auto letter = [&](size_t i) { return i < text.size() && std::isalpha(uint8_t(text[i])) != 0; };
   auto begins_word = [&](size_t i) {  // the letter at i
     return letter(i) && (i == 0 || !letter(i - 1));
   };
-  bool decimal = false;  // the number so far has a point
+  bool decimal = false;  // the number so far contains a point
   for (size_t i = 0; i < text.size();) {
     const auto [code, bytes] = character_at(text, i);
     const bool after_word = i > 0 && (digit(i - 1) || begins_word(i - 1) || text[i - 1] == '.');
@@ -92,7 +94,7 @@ inline Stray find_stray(std::string_view text, bool any) {
       case '>':
         found = any;
         break;
-      case '?':  // replaces a byte that is not UTF-8 where the core has passed it on
+      case '?':  // readable() replaces bytes that are not UTF-8 by this
         found = any || after_word;
         break;
       default:

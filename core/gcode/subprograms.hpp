@@ -1,5 +1,4 @@
-// The sub-programs of a file: the text after the end of its main program, with the numbers that M98
-// calls.
+// The sub-programs of a file: the text after its main program, and the numbers that M98 calls.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -19,19 +18,19 @@ class Subprograms {
 
   struct Label {
     uint32_t number;
-    bool program;     // O, which begins a sub-program; else N, a place within one
-    size_t at, stop;  // in the text: its line, and the next sub-program or the end
-    uint32_t line;    // in the file
+    bool program;     // O: starts a sub-program; N: a place within one
+    size_t at, stop;  // positions in `text`: its line, and the end of the sub-program
+    uint32_t line;    // line number in the file
   };
-  std::string text;  // lines, each ended by \n
+  std::string text;  // lines, each with \n at its end
   std::vector<Label> labels;
 
-  // Labels come in the order of the file; the first one of a number counts.
+  // Labels are added in the order of the file. If two have the same number, the first one is used.
   void add(const Label& label) {
     by_number_.emplace(key(label.number, label.program), labels.size());
     labels.push_back(label);
   }
-  // The sub-program of a number; else the place with that line number; null if there is none.
+  // The sub-program of this number, else the place with this line number; null if there is neither.
   const Label* find(uint32_t number) const {
     for (bool program : {true, false})
       if (auto at = by_number_.find(key(number, program)); at != by_number_.end())
@@ -45,7 +44,7 @@ class Subprograms {
   static uint64_t key(uint32_t number, bool program) { return uint64_t(number) << 1 | program; }
 };
 
-// The call of an M98.
+// The call that an M98 makes.
 struct Call {
   const Subprograms::Label* label = nullptr;
   int repeats = 1;
@@ -53,8 +52,8 @@ struct Call {
 
 enum class CallFault : uint8_t { none, unreadable, missing, nested, unended, idle, no_file };
 
-// Reads `P1002 L3`, or P31002 for three times 1002, if there is no 31002. `call` is set if the
-// result is none.
+// Reads `P1002 L3`. P31002 means three calls of 1002, if there is no sub-program 31002. Sets `call`
+// and returns CallFault::none, or returns the fault.
 inline CallFault read_call(std::string_view text, const Subprograms& all, Call& call) {
   static constexpr int kMaxRepeats = 9999;
   std::vector<Word> words;
@@ -81,7 +80,7 @@ inline CallFault read_call(std::string_view text, const Subprograms& all, Call& 
                                       : CallFault::none;
 }
 
-// The number after O or N at the beginning of a line; false if there is none.
+// Reads the number after O or N at the beginning of a line; false if there is none.
 inline bool read_label(const char* p, const char* end, bool& program, uint32_t& number) {
   while (p < end && (*p == ' ' || *p == '\t' || *p == '/')) ++p;
   if (p == end || !std::strchr("OoNn", *p)) return false;

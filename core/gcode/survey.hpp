@@ -1,4 +1,4 @@
-// The commands of a program other than moves, found before it runs: one quick pass over its text,
+// Finds the commands of a program other than moves before it runs: one fast pass over the text,
 // without positions.
 #pragma once
 #include <cstring>
@@ -14,14 +14,14 @@
 
 namespace passo {
 
-// Feed it the program; then `commands()` holds each command that an Interpreter would hand to its
-// caller, once for each code, in its first form, of the main program and of the sub-programs that
-// it calls. Memory is bounded by kMaxCodes and Subprograms::kMaxBytes.
+// After feed() and finish(), commands() contains each event that an Interpreter would return, once
+// for each code, as it occurs first. It covers the main program and the sub-programs that it calls.
+// kMaxCodes and Subprograms::kMaxBytes bound the memory.
 class Survey {
  public:
   static constexpr size_t kMaxCodes = 10'000;
 
-  // A call that cannot be carried out.
+  // A call that fails.
   struct BadCall {
     uint32_t line;
     std::string text;
@@ -46,14 +46,14 @@ class Survey {
     subprograms_->text = std::move(text_);
     judge(CallFault::none);
   }
-  // Call this, and the next three, after the program has ended.
+  // These results are complete after finish().
   const std::vector<Event>& commands() const { return commands_; }
   const std::vector<BadCall>& bad_calls() const { return bad_calls_; }
-  // The program moves the machine.
+  // Whether the program moves the machine.
   bool moves() const { return moves_; }
   std::shared_ptr<const Subprograms> subprograms() const { return subprograms_; }
   LayerMark layer_mark() const { return layer_marks_.kind(); }
-  // As the program labels them.
+  // The objects that the program labels.
   const Objects& objects() const { return splitter_.objects(); }
 
  private:
@@ -61,7 +61,7 @@ class Survey {
     Event event;
     size_t part;
   };
-  // The main program, or a part after its end that an O number begins.
+  // The main program, or a sub-program: a part of the text after an O number.
   struct Part {
     size_t first_label = 0;
     bool returns = false;
@@ -69,22 +69,22 @@ class Survey {
   const Machine machine_;
   Interpreter splitter_;
   Lines lines_;
-  bool ended_ = false;  // the main program: by M2, M30 or M99
+  bool ended_ = false;  // the main program has ended: by M2, M30 or M99
   bool moves_ = false;
   LayerMarks layer_marks_;
-  std::string text_;  // after that
+  std::string text_;  // text after the main program
   std::shared_ptr<Subprograms> subprograms_ = std::make_shared<Subprograms>();
   std::vector<size_t> part_of_label_;
   std::vector<Part> parts_{Part{}};
   std::vector<Note> notes_, calls_;
-  std::unordered_map<std::string, size_t> seen_;  // by part and code
+  std::unordered_map<std::string, size_t> seen_;  // keys are part and code
   std::vector<Event> commands_;
   std::vector<BadCall> bad_calls_;
 
   static bool is_move(const char* p, const char* end) {
     return end - p >= 3 && p[0] == 'G' && p[1] >= '0' && p[1] <= '3' && p[2] == ' ';
   }
-  // A line that is a comment, or one straight move or arc and nothing else.
+  // Whether a line is a comment, or one move and nothing else.
   bool plain(const char* p, const char* end) {
     while (p < end && (*p == ' ' || *p == '\t')) ++p;
     if (p == end) return true;
@@ -112,12 +112,12 @@ class Survey {
       while ((found = splitter_.next()) != Found::need_input)
         if (found == Found::event)
           note(splitter_.event());
-        else  // the content of a macro is known when it is called
+        else  // a macro may move: its lines are known only when it runs
           moves_ = moves_ || found == Found::move || found == Found::macro;
     }
   }
 
-  // A line after the main program. It belongs to a sub-program if a label comes before it or in it.
+  // Keeps a line after the main program. It belongs to a sub-program from the first label on.
   void keep(const char* p, const char* end) {
     bool program;
     uint32_t number;
@@ -144,7 +144,7 @@ class Survey {
     if (code.empty()) {
       code = code_name(event.letter, event.number, event.minor);
     }
-    if (ended_ && parts_.size() == 1) return;  // it is never read
+    if (ended_ && parts_.size() == 1) return;  // before the first label: never executed
     if (code == "M98") {
       if (calls_.size() < kMaxCodes) calls_.push_back(placed(event));
       return;
@@ -165,8 +165,8 @@ class Survey {
     return note;
   }
 
-  // Follows the calls from the main program on, and keeps the bad ones: with this fault, or, with
-  // CallFault::none, each with its own.
+  // Follows the calls, beginning at the main program, and keeps those that fail: all of them with
+  // `fault`, or with CallFault::none each one with its own fault.
   void judge(CallFault fault) {
     std::vector<bool> reached(parts_.size());
     std::vector<size_t> open{0};

@@ -1,4 +1,4 @@
-// Characters of a text that may or may not be UTF-8.
+// Characters of a text that may not be UTF-8.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace passo {
 
-// The character at `at`: its code, or a byte that is not UTF-8, below 0; and its length in bytes.
+// The character at `at` and its length in bytes. A byte that is not UTF-8 has a negative code.
 inline std::pair<int64_t, size_t> character_at(std::string_view text, size_t at) {
   const uint8_t lead = uint8_t(text[at]);
   if (lead < 0x80) return {lead, 1};
@@ -23,8 +23,8 @@ inline std::pair<int64_t, size_t> character_at(std::string_view text, size_t at)
   return {code, more + 1};
 }
 
-// The text, for callers that need UTF-8. Old files are not always UTF-8: then each byte beyond
-// ASCII becomes '?'.
+// The text as valid UTF-8. If it contains a byte that is not UTF-8, as in old files, each byte
+// above 127 becomes '?'.
 inline std::string readable(std::string_view text) {
   std::string out(text);
   for (size_t i = 0; i < text.size();) {

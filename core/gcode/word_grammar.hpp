@@ -1,4 +1,4 @@
-// Which words belong to which command; docs/reference/gcode.md describes it.
+// Which words belong to which command. docs/reference/gcode.md describes the rules.
 #pragma once
 #include <cmath>
 #include <cstring>
@@ -8,7 +8,7 @@
 
 namespace passo {
 
-inline bool text_command(const Word& w) {  // its argument is free text, not words
+inline bool text_command(const Word& w) {  // whether the argument is free text instead of words
   if (w.letter != 'M' || std::fabs(w.value) > 1000) return false;
   int n = int(w.value);
   if (!w.whole()) return n == 862;
@@ -17,7 +17,7 @@ inline bool text_command(const Word& w) {  // its argument is free text, not wor
          n == 550 || n == 587 || n == 600 || n == 862 || n == 928;
 }
 
-// Whether a line that begins with this text has a command that takes a text.
+// Whether a line that begins with this text has a command with a free text.
 inline bool takes_text(const char* line) {
   std::vector<Word> words;
   split_words(line, words);
@@ -28,14 +28,14 @@ inline bool takes_text(const char* line) {
   return name || (words[0].number && text_command(words[0]));
 }
 
-// The number of a command, and its decimal, where it has one.
+// Number and decimal of a command: {59, 1} for G59.1.
 inline std::pair<int, int> code_of(const Word& w) {
   if (!w.number || std::fabs(w.value) > kLargestWord) return {-1, 0};
   int code = int(w.value);
   return {code, int(std::lround((w.value - code) * 10))};
 }
 
-// The text after these is not read as words; passo.gcode.registry has the same list.
+// Commands whose text is not read as words. passo.gcode.registry has the same list.
 inline bool wordless(const Word& w) {
   if (text_command(w)) return true;
   const auto [n, minor] = code_of(w);
@@ -47,7 +47,7 @@ inline bool wordless(const Word& w) {
          n == 595 || n == 604 || n == 605 || n == 800 || n == 908 || n == 925 || n == 926;
 }
 
-// Commands, other than moves, that have a word E; passo.gcode.registry has the same list.
+// Commands other than moves that have a parameter E. passo.gcode.registry has the same list.
 inline bool takes_e(char letter, int code) {
   if (letter == 'G') return code == 61 || code == 92;
   return code == 17 || code == 18 || code == 84 || code == 92 || code == 201 || code == 203 ||
@@ -55,7 +55,7 @@ inline bool takes_e(char letter, int code) {
          code == 912;
 }
 
-// Commands whose words are read here alone; those of moves are, too, by run_motion.
+// Commands whose words only the core reads. run_motion() checks the words of moves itself.
 inline bool own_command(char letter, int code, int minor) {
   if (minor != 0) return false;
   if (letter == 'G')
@@ -64,16 +64,16 @@ inline bool own_command(char letter, int code, int minor) {
          code == 701 || code == 702;
 }
 
-// Words after these are a modal move.
+// Commands whose further words are a modal move.
 inline bool before_modal(char letter, int code, int minor) {
   return letter == 'G' && minor == 0 &&
          ((code >= 17 && code <= 21) || code == 53 || code == 90 || code == 91 || code == 98 ||
           code == 99);
 }
 
-// Axis words after these are a modal move too: in no dialect (RS274) they have axes themselves.
-// Polar coordinates, radii and lengths of tools, coordinate systems, path modes, rotation, kinds of
-// F and of spindles. Not G80, which probes a part of the bed with them.
+// Commands whose axis words are a modal move, because they have no axes in any dialect (RS274):
+// polar coordinates, tool radii and lengths, coordinate systems, path modes, rotation, modes of F
+// and of spindles. G80 is not among them: on printers it has axes.
 inline bool before_axes(char letter, int code, int minor) {
   if (letter != 'G') return false;
   if (minor != 0) return (code == 59 && minor <= 3) || (minor == 1 && (code == 61 || code == 91));
@@ -81,12 +81,13 @@ inline bool before_axes(char letter, int code, int minor) {
          code == 64 || code == 69 || (code >= 93 && code <= 97);
 }
 
-// Spindle, coolant and change of tools have other words of their own, but no axes.
+// Spindle, coolant and tool change: they have words of their own, but no axes. Axis words in their
+// line are a move.
 inline bool beside_axes(char letter, int code, int minor) {
   return letter == 'M' && minor == 0 && code >= 3 && code <= 9;
 }
 
-// Axis words after these are a modal move; a T may be its duration.
+// Commands whose axis words are a modal move. A T may be the duration of the move.
 inline bool modal_follows(const Word& w) {
   const auto [code, minor] = code_of(w);
   return before_modal(w.letter, code, minor) || before_axes(w.letter, code, minor);
@@ -99,25 +100,25 @@ inline bool toolless(const Word& w) {
          (w.letter == 'M' && minor == 0 && (code == 82 || code == 83));
 }
 
-// Cycles that are carried out, by the modal motion: ten times the code.
+// Whether the modal motion is a cycle that Passo carries out. `motion` is ten times the code.
 inline bool canned(int motion) {
   return motion == 730 || motion == 810 || motion == 820 || motion == 830;
 }
 
 // Motion modes of RS274 that Passo does not have: splines, threads, probing, other cycles. Words
-// without a command belong to them.
+// without a command belong to these modes.
 inline bool moves_otherwise(char letter, int code) {
   return letter == 'G' && (code == 5 || code == 33 || code == 38 || code == 73 || code == 76 ||
                            (code >= 81 && code <= 89));
 }
 
-// Letters that programs write with 0 for an axis which the machine lacks. The row "G1 A0" of
-// passo.gcode.ignored_commands names these programs.
+// Letters that programs write with 0 for an axis that the machine lacks. The row "G1 A0" of
+// passo.gcode.ignored_commands lists these programs.
 inline bool idle_letter(char letter, int code) {
   return (letter >= 'A' && letter <= 'C') || (letter == 'E' && code == 92);
 }
 
-// Words of these that need no number; passo.gcode.registry has the same list.
+// Words that need no number in their command. passo.gcode.registry has the same list.
 inline bool may_stand_alone(char letter, int code, char word) {
   if (letter == 'G') return code == 61 && std::strchr("ABCDEHIJKUVWXYZ", word);
   return code == 702 && word == 'C';

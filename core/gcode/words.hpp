@@ -1,4 +1,4 @@
-// The words of a line: letter and number, with their position in the text.
+// The words of a line, each with letter, number and position in the text.
 #pragma once
 #include <algorithm>
 #include <cctype>
@@ -18,13 +18,13 @@ namespace passo {
 struct Word {
   char letter;  // upper case
   double value;
-  bool number;            // false: a letter alone, or followed by something that is no number
-  size_t begin, end;      // in the text
-  bool built_in = false;  // a command that no macro replaces here
+  bool number;            // false: no number follows the letter
+  size_t begin, end;      // positions in the text
+  bool built_in = false;  // this command is the built-in one, not a macro
   bool whole() const { return number && value == std::floor(value); }
 };
 
-// The parameters of a command: its words, and the same as text.
+// The parameters of a command, as words and as text.
 struct Arguments {
   const Word *first, *last;
   std::string_view text;
@@ -40,7 +40,7 @@ struct Arguments {
   }
 };
 
-// A command as the dialect table writes it: G1, G59.1.
+// The name of a command in the tables: G1, G59.1.
 inline std::string code_name(char letter, int number, int minor = 0) {
   std::string name(1, letter);
   name += std::to_string(number);
@@ -48,7 +48,7 @@ inline std::string code_name(char letter, int number, int minor = 0) {
   return name;
 }
 
-// An unknown command as it is written: `text` is the line, which begins with it.
+// The name of an unknown command, as it is written in the line `text`.
 inline std::string unknown_name(std::string_view text, const Word& word) {
   size_t stop =
       word.number ? word.end : std::min(text.find_first_of(" \t", word.begin), text.size());
@@ -58,8 +58,8 @@ inline std::string unknown_name(std::string_view text, const Word& word) {
   return name;
 }
 
-// Whether a line begins with M117 or M118, whose text goes up to the end of the line: as in
-// Klipper, neither ';' nor a parenthesis begins a comment in it.
+// Whether a line begins with M117 or M118. Their text ends with the line: as in Klipper, neither
+// ';' nor a parenthesis starts a comment in it.
 inline bool begins_message(std::string_view text) {
   size_t i = 0;
   while (i < text.size() && (text[i] == ' ' || text[i] == '\t')) ++i;
@@ -69,7 +69,7 @@ inline bool begins_message(std::string_view text) {
          (i + 4 == text.size() || !std::isdigit(uint8_t(text[i + 4])));
 }
 
-// Where the last '*' outside of comments is: npos if there is none.
+// Position of the last '*' outside of comments; npos if there is none.
 inline size_t last_star(std::string_view text) {
   size_t depth = 0, star = std::string_view::npos;
   for (size_t i = 0; i < text.size() && (text[i] != ';' || depth > 0); ++i) {
@@ -80,20 +80,20 @@ inline size_t last_star(std::string_view text) {
   return star;
 }
 
-// Whether only a comment follows.
+// Whether nothing but a comment follows.
 inline bool nothing_left(const char* p) {
   while (*p == ' ' || *p == '\t') ++p;
   return *p == 0 || *p == ';' || *p == '(';
 }
 
-// Whether a line begins with the name of an extended command, such as RESPOND, or of a macro.
+// Whether a line begins with a name: an extended command such as RESPOND, or a macro.
 inline bool has_name(std::string_view text) {
   const auto in_name = [&](size_t i) { return std::isalpha(uint8_t(text[i])) || text[i] == '_'; };
   return text.size() > 1 && in_name(0) && in_name(1);
 }
 
-// Where the value ends that begins in quotes at `at`; npos: none begins there. "Bob's" has none. In
-// ", \" is a quotation mark.
+// End of the quoted value that begins at `at`; npos if no quoted value begins there, as in "Bob's".
+// Within ", \" is a quotation mark.
 inline size_t closing_quote(std::string_view text, size_t at) {
   const char quote = text[at];
   if (quote != '"' && quote != '\'') return std::string_view::npos;
@@ -106,10 +106,10 @@ inline size_t closing_quote(std::string_view text, size_t at) {
   return std::string_view::npos;
 }
 
-// Comments in parentheses become blanks, text after ';' is dropped. `comment` is the text after
-// ';'. Text in quotes is not a comment in the parameters of an extended command, nor directly after
-// a letter (P"ei(v_tol=0.02)"). A parenthesis within a value of an extended command
-// (SHAPER_TYPE=ei(v_tol=0.02)) is not one either.
+// Replaces comments in parentheses by blanks, and removes the text after ';', which is returned as
+// `comment`. Quoted text is not a comment in the parameters of an extended command, nor directly
+// after a letter (P"ei(v_tol=0.02)"). A parenthesis within a value of an extended command
+// (SHAPER_TYPE=ei(v_tol=0.02)) is not a comment either.
 inline void strip_comments(std::string& text, std::string& comment) {
   comment.clear();
   if (begins_message(text)) return;
@@ -144,7 +144,7 @@ inline void strip_comments(std::string& text, std::string& comment) {
   while (!text.empty() && std::isspace(uint8_t(text.back()))) text.pop_back();
 }
 
-// Splits into words. A word is a letter and a decimal number, blanks between them allowed.
+// Splits a text into words: a letter and a decimal number, with blanks allowed between them.
 inline void split_words(std::string_view text, std::vector<Word>& words) {
   words.clear();
   const char *begin = text.data(), *p = begin, *end = begin + text.size();
@@ -166,16 +166,16 @@ inline void split_words(std::string_view text, std::vector<Word>& words) {
   }
 }
 
-// A word of a command that the host carries out. `letter`: upper case, or another character that
-// begins no word.
+// A word of a command that the host carries out. `letter` is in upper case, or a character that
+// starts no word.
 struct TextWord {
   std::string letter;
-  std::optional<double> number;     // not a number: `nan`
-  std::optional<std::string> text;  // of the number as it is written, or within quotes
+  std::optional<double> number;     // NaN for `nan`
+  std::optional<std::string> text;  // the number as it is written, or the text in quotes
 };
 
-// The words of a command's text, where a word may also have a text in quotes, or `nan`. Comments in
-// parentheses are left out.
+// Splits the text of a command into words. A word may also have a text in quotes, or `nan`.
+// Comments in parentheses are skipped.
 inline std::vector<TextWord> split_text(std::string_view text) {
   std::vector<TextWord> words;
   const auto space = [&](size_t i) { return i < text.size() && std::isspace(uint8_t(text[i])); };
