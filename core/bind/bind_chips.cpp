@@ -19,13 +19,19 @@ void bind_chips(nb::module_& m) {
   nb::enum_<TrinamicChip::Kind>(m, "TrinamicKind")
       .value("TMC2208", TrinamicChip::Kind::tmc2208)
       .value("TMC2209", TrinamicChip::Kind::tmc2209)
+      .value("TMC2225", TrinamicChip::Kind::tmc2225)
+      .value("TMC2226", TrinamicChip::Kind::tmc2226)
       .value("TMC2130", TrinamicChip::Kind::tmc2130)
-      .value("TMC5160", TrinamicChip::Kind::tmc5160);
+      .value("TMC5160", TrinamicChip::Kind::tmc5160)
+      .value("TMC2240", TrinamicChip::Kind::tmc2240)
+      .value("TMC2660", TrinamicChip::Kind::tmc2660);
   nb::class_<TrinamicChip>(m, "TrinamicChip", "A simulated motor driver with registers.")
       .def(nb::init<TrinamicChip::Kind, uint8_t>(), "kind"_a, "address"_a = 0)
       .def("read", &TrinamicChip::read, "register"_a)
       .def("set", &TrinamicChip::set, "register"_a, "value"_a,
            "Sets the status flags that the chip detects itself.")
+      .def("set_after_read", &TrinamicChip::set_after_read, "register"_a, "value"_a,
+           "A register gets this value after the next time it is read.")
       .def("power_on", &TrinamicChip::power_on,
            "Simulates a power failure: the chip loses its settings.")
       .def_rw("plugged", &TrinamicChip::plugged)
@@ -46,7 +52,8 @@ void bind_chips(nb::module_& m) {
          uint32_t from_device, std::shared_ptr<TrinamicChip> chip) {
         bench.plant().spi_devices.emplace_back(
             SpiPins{select_pin, clock_pin, to_device, from_device}, 3,
-            [chip](Ticks) { return chip->answer(); }, [chip](const Bytes& in) { chip->take(in); });
+            [chip](Ticks) { return chip->answer(); }, [chip](const Bytes& in) { chip->take(in); },
+            nullptr, chip->by_short_spi() ? TrinamicChip::kShortBits : 0);
       },
       "bench"_a, "select_pin"_a, "clock_pin"_a, "to_device"_a, "from_device"_a, "chip"_a,
       "Connects a driver to the SPI bus on these pins.");

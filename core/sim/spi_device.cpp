@@ -1,5 +1,7 @@
 #include "sim/spi_device.hpp"
 
+#include <algorithm>
+
 namespace passo::wire {
 
 void SpiDevice::edge(uint32_t pin, bool level, Ticks clock) {
@@ -21,6 +23,7 @@ void SpiDevice::edge(uint32_t pin, bool level, Ticks clock) {
 }
 
 bool SpiDevice::level() const {
+  if (echo_bits_ > 0 && next_out_ >= echo_bits_) return received(next_out_ - echo_bits_);
   auto bit = size_t(next_out_);
   return next_out_ < 0 || bit >= 8 * out_.size() || (out_[bit / 8] >> (7 - bit % 8) & 1);
 }
@@ -30,7 +33,19 @@ Bytes SpiDevice::exchange(const Bytes& in, Ticks clock) {
   if (read_ && !in.empty()) append(out, read_(in[0], clock));
   take_(in);
   out.resize(in.size(), 0xff);
+  for (int bit = echo_bits_; echo_bits_ > 0 && bit < int(8 * out.size()); ++bit) {
+    int from = bit - echo_bits_;
+    bool one = in[size_t(from / 8)] >> (7 - from % 8) & 1;
+    auto mask = uint8_t(0x80 >> bit % 8);
+    out[size_t(bit / 8)] = uint8_t((out[size_t(bit / 8)] & ~mask) | (one ? mask : 0));
+  }
   return out;
+}
+
+bool SpiDevice::received(int bit) const {
+  if (bit >= bits_in_) return true;
+  int in_byte = std::min(8, bits_in_ - bit / 8 * 8);  // bits of its byte that have arrived
+  return in_[size_t(bit / 8)] >> (in_byte - 1 - bit % 8) & 1;
 }
 
 void SpiDevice::append(Bytes& out, const Bytes& more) {

@@ -14,14 +14,15 @@ struct SpiPins {
 
 // Selected while its pin is low. At the start of a transfer `answer` returns the bytes to send; at
 // the end `take` gets the received bytes. If the device has registers, the first byte is an
-// address, and `read` returns the bytes to send after it.
+// address, and `read` returns the bytes to send after it. If its shift register has a length of
+// `echo_bits`, it returns all received bits after that many.
 class SpiDevice {
  public:
   SpiDevice(SpiPins pins, int mode, std::function<Bytes(Ticks)> answer,
             std::function<void(const Bytes&)> take,
-            std::function<Bytes(uint8_t, Ticks)> read = nullptr)
+            std::function<Bytes(uint8_t, Ticks)> read = nullptr, int echo_bits = 0)
       : pins_(pins), rest_(mode >> 1), second_phase_(mode & 1), answer_(std::move(answer)),
-        take_(std::move(take)), read_(std::move(read)) {}
+        take_(std::move(take)), read_(std::move(read)), echo_bits_(echo_bits) {}
 
   const SpiPins& pins() const { return pins_; }
 
@@ -40,12 +41,14 @@ class SpiDevice {
   std::function<Bytes(Ticks)> answer_;
   std::function<void(const Bytes&)> take_;
   std::function<Bytes(uint8_t, Ticks)> read_;
+  int echo_bits_;
   bool selected_ = false, data_ = false;
   Bytes out_, in_;
   int next_out_ = 0, bits_in_ = 0;
 
   static void append(Bytes& out, const Bytes& more);
   void sample(Ticks clock);
+  bool received(int bit) const;
 };
 
 }  // namespace passo::wire

@@ -2,6 +2,8 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <utility>
 
 #include "link/frame.hpp"
 
@@ -9,7 +11,16 @@ namespace passo::wire {
 
 class TrinamicChip {
  public:
-  enum class Kind : uint8_t { tmc2208, tmc2209, tmc2130, tmc5160 };
+  enum class Kind : uint8_t {
+    tmc2208,
+    tmc2209,
+    tmc2225,
+    tmc2226,
+    tmc2130,
+    tmc5160,
+    tmc2240,
+    tmc2660
+  };
 
   // Faults: the chip does not answer; or this number of its next answers have a wrong bit.
   bool plugged = true;
@@ -17,10 +28,16 @@ class TrinamicChip {
 
   explicit TrinamicChip(Kind kind, uint8_t address = 0);
 
-  bool by_uart() const { return kind_ == Kind::tmc2208 || kind_ == Kind::tmc2209; }
+  static constexpr int kShortBits = 20;  // of a TMC2660's datagram
+  bool by_short_spi() const { return kind_ == Kind::tmc2660; }
+  // The version is in a register of the UART.
+  bool by_uart() const { return kind_ <= Kind::tmc2226; }
   uint32_t read(uint8_t reg) const { return registers_[reg & 0x7f]; }
   // The status flags that the chip sets itself.
   void set(uint8_t reg, uint32_t value) { registers_[reg & 0x7f] = value; }
+
+  // A register gets this value after the next time it is read.
+  void set_after_read(uint8_t reg, uint32_t value) { later_ = {reg, value}; }
 
   // Resets its settings, as at power-on.
   void power_on();
@@ -31,7 +48,8 @@ class TrinamicChip {
   // Bits from the end of a question by UART until its answer (SENDDELAY).
   int answer_delay() const { return 8 * int(registers_[kSlaveconf] >> 8 & 0xe) + 8; }
 
-  // SPI: takes five bytes, and returns the five that the chip sends at the same time.
+  // SPI: takes five bytes, and returns the five that the chip sends at the same time. A TMC2660
+  // answers in 20 bits, and takes the last 20.
   Bytes answer();
   void take(const Bytes& in);
 
@@ -44,10 +62,15 @@ class TrinamicChip {
   uint8_t address_;
   std::array<uint32_t, 128> registers_{};
   uint32_t last_ = 0;  // by SPI, the next datagram returns the answer
+  std::optional<std::pair<uint8_t, uint32_t>> later_;
 
+  // A TMC2660's answers are at these addresses; RDSEL in DRVCONF selects one of them.
+  static constexpr uint8_t kReadRsp = 0x10, kDrvConf = 0x07;
   uint32_t version() const;
+  uint32_t fetch(uint8_t reg);
   bool readable(uint8_t reg) const;
   void write(uint8_t reg, uint32_t value);
+  void take20(const Bytes& in);
   static uint32_t word(const uint8_t* b);
   static void put(uint8_t* b, uint32_t value);
 };

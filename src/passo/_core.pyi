@@ -1294,9 +1294,17 @@ class TrinamicKind(enum.Enum):
 
     TMC2209 = 1
 
-    TMC2130 = 2
+    TMC2225 = 2
 
-    TMC5160 = 3
+    TMC2226 = 3
+
+    TMC2130 = 4
+
+    TMC5160 = 5
+
+    TMC2240 = 6
+
+    TMC2660 = 7
 
 class TrinamicChip:
     """A simulated motor driver with registers."""
@@ -1307,6 +1315,9 @@ class TrinamicChip:
 
     def set(self, register: int, value: int) -> None:
         """Sets the status flags that the chip detects itself."""
+
+    def set_after_read(self, register: int, value: int) -> None:
+        """A register gets this value after the next time it is read."""
 
     def power_on(self) -> None:
         """Simulates a power failure: the chip loses its settings."""

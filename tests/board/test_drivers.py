@@ -7,20 +7,23 @@ from collections.abc import Container
 from dataclasses import replace
 
 import pytest
+from tests.support import trinamic_registers as r
 from tests.support.link_bench import HZ, Bench, Kind, LateLink, description
 
 from passo.board.description import Driver, SpiPins, UartPins
 from passo.board.drivers import Drivers
-from passo.board.trinamic import DriverSettings
-from passo.board.trinamic import registers as r
-from passo.config.trinamic import ChipName
+from passo.board.trinamic import DriverSettings, Reading, findings
+from passo.config.trinamic import CHIPS, ChipName
 from passo.errors import MachineError
 
-WIRES: dict[ChipName, UartPins | SpiPins] = {
+Wires = dict[ChipName, UartPins | SpiPins]
+WIRES: Wires = {
     "TMC2208": UartPins("^PG0", "PG0"),
     "TMC2209": UartPins("^PG0", "PG1"),
     "TMC2130": SpiPins("PG2", "PG3", "PG4", "PG5"),
     "TMC5160": SpiPins("PG2", "PG3", "PG4", "PG5"),
+    "TMC2240": SpiPins("PG2", "PG3", "PG4", "PG5"),
+    "TMC2660": SpiPins("PG2", "PG3", "PG4", "PG5"),
 }
 REPORTS = {
     chip: "tmcuart_response" if isinstance(wire, UartPins) else "spi_transfer_response"
@@ -35,10 +38,25 @@ def firmware(request: pytest.FixtureRequest):
     Kind.firmware = before
 
 
-def bench(*chips: ChipName, **settings) -> tuple[Bench, Drivers]:
+def flags(chip: ChipName) -> int:
+    """The flags of standstill and of a high temperature, a TMC2660's of overheating."""
+    return 0x82 if chip == "TMC2660" else 0x8000_0001
+
+
+def is_set_up(made: Bench, drivers: Drivers) -> bool:
+    settings = drivers.states["x"].settings
+    address = CHIPS[settings.chip].registers["CHOPCONF"].address
+    return made.simulated.drivers["x"].read(address) == settings.registers()["CHOPCONF"]
+
+
+def driver_settings(chip: ChipName, **settings) -> DriverSettings:
+    return DriverSettings(chip, 0.9, 0.45, CHIPS[chip].currents.resistor_ohm, **settings)
+
+
+def bench(*chips: ChipName, wires: Wires | None = None, **settings) -> tuple[Bench, Drivers]:
     named = zip(("x", "y"), chips, strict=False)
     drivers = tuple(
-        Driver(name, WIRES[chip], DriverSettings(chip, 0.9, 0.45, 0.11, **settings), address)
+        Driver(name, (wires or WIRES)[chip], driver_settings(chip, **settings), address)
         for address, (name, chip) in enumerate(named)
     )
     made = Bench(replace(description(), drivers=drivers))
@@ -52,10 +70,59 @@ def test_settings_arrive(chip: ChipName):
     state = drivers.states["x"]
     assert state.failure is None
     simulated = made.simulated.drivers["x"]
-    for register, value in state.settings.writes():
-        if register != r.GSTAT:
-            assert simulated.read(register) == value, hex(register)
-    assert simulated.read(r.GSTAT) == 0
+    registers = CHIPS[chip].registers
+    for name, value in state.settings.registers().items():
+        assert simulated.read(registers[name].address) == value, name
+    if "GSTAT" in registers:
+        assert simulated.read(r.GSTAT) == 0
+
+
+def test_a_tmc2240_has_a_uart_too():
+    made, drivers = bench("TMC2240", wires={"TMC2240": UartPins("^PG0", "PG1")})
+    drivers.configure()
+    assert failure(drivers) == ""
+    assert made.simulated.drivers["x"].read(0x0A) == 1  # CURRENT_RANGE of 0.9 A
+    drivers.begin_status("x")
+    passes(made, drivers, 1)
+    reading = drivers.states["x"].reading
+    assert reading is not None
+    assert reading.temperature_c == pytest.approx(24.9, abs=0.1)
+    assert reading.supply_v == pytest.approx(24.0, abs=0.1)
+
+
+@pytest.mark.parametrize("chip", WIRES)
+def test_a_change_writes_only_the_registers_that_differ(chip: ChipName):
+    made, drivers = bench(chip)
+    drivers.configure()
+    simulated, registers = made.simulated.drivers["x"], CHIPS[chip].registers
+    chopper, current = registers["CHOPCONF"], CHIPS[chip].field(CHIPS[chip].currents.run)
+    assert current is not None
+    simulated.set(chopper.address, 0x123)
+    drivers.begin_change("x", replace(drivers.states["x"].settings, run_a=0.8))
+    read: list[int] = []
+    drivers.begin_read("x", CHIPS[chip].status.name, read.append)
+    passes(made, drivers, 1)
+    assert failure(drivers) == ""
+    assert len(read) == 1
+    wanted = driver_settings(chip)
+    wanted = replace(wanted, run_a=0.8).registers()[current.register]
+    assert simulated.read(registers[current.register].address) == wanted
+    assert simulated.read(chopper.address) == 0x123
+
+
+@pytest.mark.parametrize("chip", ["TMC2209", "TMC5160", "TMC2240"])
+def test_a_fault_after_the_status_was_read_has_its_name(chip: ChipName):
+    made, drivers = bench(chip)
+    drivers.configure()
+    simulated = made.simulated.drivers["x"]
+    short = 1 << CHIPS[chip].status.fields["s2gb"].low
+    simulated.set_after_read(r.DRV_STATUS, short)
+    simulated.set(r.GSTAT, 2)
+    drivers.begin_status("x")
+    passes(made, drivers, 1)
+    reading = drivers.states["x"].reading
+    assert reading is not None
+    assert [f.problem.code for f in findings("x", chip, reading)] == ["driver.short-to-ground"]
 
 
 class LosingLink:
@@ -102,7 +169,7 @@ def test_any_answer_that_is_lost_at_the_start_spoils_nothing(chip: ChipName):
             if register != r.GSTAT:
                 assert made.simulated.drivers["x"].read(register) == value, (lost, hex(register))
         lost, seen = lost + 1, link.seen
-    assert lost > 10
+    assert lost > len(drivers.states["x"].settings.registers())
 
 
 @pytest.mark.parametrize("chip", WIRES)
@@ -166,7 +233,7 @@ def test_require_reports_each_driver_that_fails():
 def test_another_chip_is_named_and_left_alone(chip: ChipName, other: int):
     made, drivers = bench(chip)
     simulated = made.simulated.drivers["x"]
-    simulated.set(r.CHIPS[chip].version_register, other << 24)
+    simulated.set(CHIPS[chip].registers["IOIN"].address, other << 24)
     drivers.configure()
     assert failure(drivers) == "driver.other-chip"
     assert f"0x{other:02x}" in str(drivers.states["x"].failure)
@@ -180,7 +247,7 @@ def test_damaged_answers_are_asked_for_again(chip: ChipName, damaged: int):
     made.simulated.drivers["x"].damaged_answers = damaged
     drivers.configure()
     assert failure(drivers) == ""
-    assert made.simulated.drivers["x"].read(r.TPOWERDOWN) == 20
+    assert is_set_up(made, drivers)
     made.simulated.drivers["x"].damaged_answers = damaged
     drivers.begin_status("x")
     passes(made, drivers, 1)
@@ -201,13 +268,14 @@ def test_two_on_one_wire_are_distinguished():
 def test_status_is_asked_while_time_passes(chip: ChipName):
     made, drivers = bench(chip)
     drivers.configure()
-    made.simulated.drivers["x"].set(r.DRV_STATUS, 0x8000_0001)
+    made.simulated.drivers["x"].set(CHIPS[chip].status.address, flags(chip))
     drivers.begin_status("x")
     assert not drivers.idle
     passes(made, drivers, 0.3)
     assert drivers.idle
     state = drivers.states["x"]
-    assert (state.fresh, state.reading) == (True, (0, 0x8000_0001))
+    assert state.fresh and state.reading is not None
+    assert (state.reading.gstat, state.reading.status) == (0, flags(chip))
 
 
 @pytest.mark.parametrize("chip", ["TMC2208", "TMC2209"])
@@ -238,16 +306,16 @@ def test_unplugged_driver_is_set_up_when_it_is_back(chip: ChipName):
     drivers.begin_configure("x")
     passes(made, drivers, 1)
     assert failure(drivers) == ""
-    assert simulated.read(r.TPOWERDOWN) == 20
+    assert is_set_up(made, drivers)
 
 
 @pytest.mark.parametrize("chip", WIRES)
 def test_an_answer_that_the_wire_loses_is_asked_for_again(chip: ChipName):
     made, drivers = bench(chip)
     drivers.configure()
-    made.simulated.drivers["x"].set(r.DRV_STATUS, 0x8000_0001)
+    made.simulated.drivers["x"].set(CHIPS[chip].status.address, flags(chip))
     drivers.begin_status("x")
-    for _ in range(8):
+    for _ in range(3 if chip == "TMC2660" else 8):
         drivers.poll()
         made.run(0.1)
         assert len(made.connection.take_responses("tmcuart_response", "spi_transfer_response")) == 1
@@ -255,10 +323,11 @@ def test_an_answer_that_the_wire_loses_is_asked_for_again(chip: ChipName):
         made.run(0.5)
     passes(made, drivers, 3)
     assert failure(drivers) == ""
-    assert drivers.states["x"].reading == (0, 0x8000_0001)
+    reading = drivers.states["x"].reading
+    assert reading is not None and (reading.gstat, reading.status) == (0, flags(chip))
 
 
-@pytest.mark.parametrize("chip", WIRES)
+@pytest.mark.parametrize("chip", [chip for chip in WIRES if chip != "TMC2660"])
 @pytest.mark.parametrize("lost", range(4))
 def test_a_reset_is_reported_though_an_answer_is_lost(chip: ChipName, lost: int):
     """A TMC2130 forgets it as it tells of it."""
@@ -280,4 +349,4 @@ def test_one_damaged_answer_by_spi_is_not_a_fault(chip: ChipName, spoilt: int):
     made.connection.link = SpoilingLink(made, spoilt)
     drivers.begin_status("x")
     passes(made, drivers, 1)
-    assert drivers.states["x"].reading == (0, 0)
+    assert drivers.states["x"].reading == Reading(0, 0)

@@ -39,7 +39,7 @@ def test_drivers_become_part_of_the_board():
     ("old", "new", "key", "sentence"),
     [
         ('"TMC2209"', '"A4988"', "steppers.x.driver",
-         "expected one of TMC2208, TMC2209, TMC2130, TMC5160, for the motor has a table tmc"),
+         "expected one of TMC2208, TMC2209, TMC2225, TMC2226,"),
         ("address = 1", "address = 0", "steppers.y.tmc.address",
          "expected an address of its own: it belongs to steppers.x.tmc (m.toml:"),
         ("address = 1", "address = 4", "steppers.y.tmc.address", "a number of at most 3"),

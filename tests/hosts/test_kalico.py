@@ -21,12 +21,13 @@ from tests.firmware.simavr.host import Hotend
 from tests.hosts.boards import AvrOnPty, Moved, ProcessBoard, PtyBoard
 from tests.hosts.kalico import Kalico
 from tests.hosts.shared_clock import SharedClock, SharedLine
+from tests.support import trinamic_registers as r
 from tests.support.driver_machine import machine_text
 from tests.support.edited_machine import edited
 
 from passo import config
-from passo.board.trinamic import registers as r
 from passo.config.machine import MachineConfig
+from passo.config.trinamic import ChipName
 from passo.printer.setup.boards import board_description, board_descriptions
 from passo.printer.setup.simulated_world import simulated_board, simulated_machine
 from passo.simulator import SimulatedBoard
@@ -257,9 +258,9 @@ class TestDrivers:
         assert line.look(lambda: board.device.fault) == ""
         expected = {"x": 0.8, "y": 0.5, "z": 0.6, "e": 1.2}
         for name, numbers in found.items():
-            chip = r.CHIPS["TMC5160" if name == "e" else "TMC2209"]
-            irun = chip.unpack(r.IHOLD_IRUN, numbers[r.IHOLD_IRUN])["irun"]
-            chopper = chip.unpack(r.CHOPCONF, numbers[r.CHOPCONF])
+            chip: ChipName = "TMC5160" if name == "e" else "TMC2209"
+            irun = r.fields(chip, r.IHOLD_IRUN, numbers[r.IHOLD_IRUN])["irun"]
+            chopper = r.fields(chip, r.CHOPCONF, numbers[r.CHOPCONF])
             assert chopper["mres"] == 4
             if name == "e":
                 ampere = (irun + 1) / 32 * numbers[r.GLOBALSCALER] / 256 * 0.325 / 0.075 / 2**0.5

@@ -8,13 +8,13 @@ from functools import partial
 import pytest
 from tests.job.test_lost_link import FIRMWARE, break_link
 from tests.job.test_noisy_link import CABLE, noisy
+from tests.support import trinamic_registers as r
 from tests.support.disturbed_prints import spiral
 from tests.support.driver_machine import DRIVERS, machine, machine_text
 from tests.support.scenario import Scenario
 
 from passo import config
 from passo.board.ports import in_process
-from passo.board.trinamic import registers as r
 from passo.printer.setup.boards import board_descriptions
 from passo.printer.setup.connections import _connected, connect_simulated
 from passo.printer.setup.simulated_world import simulated_machine
@@ -31,8 +31,8 @@ def register(s, motor: str, number: int) -> int:
 
 
 def field(s, motor: str, number: int, name: str) -> int:
-    chip = r.CHIPS[s.printer.drivers.states[motor].settings.chip]
-    return chip.unpack(number, register(s, motor, number))[name]
+    chip = s.printer.drivers.states[motor].settings.chip
+    return r.fields(chip, number, register(s, motor, number))[name]
 
 
 def test_a_print_moves_with_all_drivers_set_up(s):

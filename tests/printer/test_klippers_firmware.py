@@ -8,12 +8,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from tests.support import trinamic_registers as r
 from tests.support.klipper_board import dictionary
 from tests.support.klipper_printer import STEPS_PER_MM, Board, Port, connected, machine
 from tests.support.scenario import Scenario
 
 from passo import _core
-from passo.board.trinamic import registers as r
 from passo.errors import MachineError
 
 
@@ -34,8 +34,8 @@ def s(board: Board, tmp_path: Path) -> Iterator[Scenario]:
 
 
 def field(board: Board, motor: str, register: int, name: str) -> int:
-    chip = r.CHIPS[board.chips[motor].name]
-    return chip.unpack(register, board.chips[motor].registers[register])[name]
+    chip = board.chips[motor]
+    return r.fields(chip.name, register, chip.registers[register])[name]
 
 
 def assert_there(s: Scenario, board: Board) -> None:

@@ -16,9 +16,11 @@ from passo.board.trinamic import (
     DriverSettings,
     Exchange,
     Reading,
+    Spi20Wire,
     SpiWire,
     UartWire,
 )
+from passo.config.trinamic import CHIPS
 from passo.errors import MachineError
 
 if TYPE_CHECKING:
@@ -121,6 +123,19 @@ class Drivers:
 
         self._begin(motor, state.link.configure(state.settings), done)
 
+    def begin_change(self, motor: str, settings: DriverSettings) -> None:
+        """Starts to write only the registers that new `settings` change. Does not wait."""
+        state = self.states[motor]
+        if state.failure is not None:
+            self.begin_configure(motor, settings)
+            return
+        before, state.settings = state.settings, settings
+        self._begin(motor, state.link.change(before, settings), lambda _: None)
+
+    def begin_read(self, motor: str, register: str, done: Callable[[int], None]) -> None:
+        """Starts to read a register by its name; calls `done` with its value. Does not wait."""
+        self._begin(motor, self.states[motor].link.read(register), done)
+
     def interrupt(self) -> None:
         """Ends all exchanges, because many of their messages may have been lost."""
         for line in self._lines.values():
@@ -188,12 +203,13 @@ class Drivers:
 
 def _link(driver: Driver, oids: Oids) -> tuple[DriverLink, int]:
     wire = driver.wire
-    chip = driver.settings.chip
+    name, chip = driver.settings.chip, CHIPS[driver.settings.chip]
     if isinstance(wire, UartPins):
         oid = oids.uarts[wire]
         place = " and ".join(bare(pin) for pin in wire.pins)
-        if chip == "TMC2209":
+        if chip.addresses > 1:
             place += f" (address {driver.address})"
-        return DriverLink(driver.stepper, chip, UartWire(oid, driver.address), place), oid
+        return DriverLink(driver.stepper, name, UartWire(oid, driver.address), place), oid
     oid = oids.spi_devices[wire]
-    return DriverLink(driver.stepper, chip, SpiWire(oid), bare(wire.cs_pin)), oid
+    access = Spi20Wire(oid) if "spi20" in chip.buses else SpiWire(oid)
+    return DriverLink(driver.stepper, name, access, bare(wire.cs_pin)), oid

@@ -94,12 +94,14 @@ def put_driver_wires(data: dict[str, Any]) -> None:
             continue
         board, word = placed(written)
         socket = table(data, *section(board), "sockets", word)
-        if chip is None or CHIPS[chip].wire != "uart" or "uart_pin" in tmc or "uart" not in socket:
+        if chip is None or "uart" not in CHIPS[chip].buses or "uart" not in socket:
+            continue
+        if {"uart_pin", "cs_pin", "clock_pin", "spi_bus"} & set(tmc):
             continue
         wires: dict[str, Any] = {"uart_pin": f"{written}_UART"}
         if "uart_send" in socket:
             wires["tx_pin"] = f"{written}_UART_SEND"
-        if chip == "TMC2209" and "address" in socket:
+        if CHIPS[chip].addresses > 1 and "address" in socket:
             wires["address"] = socket["address"]
         stepper["tmc"] = {**wires, **tmc}
 

@@ -13,13 +13,14 @@ from passo.config.board_files import pin_of
 from passo.config.findings import Finding, did_you_mean, number, table, tables
 from passo.config.pin_names import bare, placed, section
 from passo.config.toml_lines import Path
-from passo.config.trinamic import CHIPS, ChipName, chip_of, largest_current_ma, least_current_ma
+from passo.config.trinamic import CHIPS, ChipName, chip_of
 
 Raw = Mapping[str, Any]
 
 _UART_KEYS = ("uart_pin", "tx_pin", "address")
 _SPI_KEYS = ("cs_pin", "clock_pin", "mosi_pin", "miso_pin")
 _CURRENTS = ("run_current_a", "hold_current_a")
+_RESISTORS = ("sense_resistor_ohm", "reference_resistor_ohm")
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,8 +58,8 @@ def check_drivers(data: Raw) -> Iterator[Finding]:
 
 
 def _check_uarts(data: Raw, uarts: list[tuple[Path, ChipName, Raw]]) -> Iterator[Finding]:
-    """Checks that drivers on one UART have equal descriptions of it, and different addresses. That
-    of a TMC2208 is 0."""
+    """Checks that drivers on one UART have equal descriptions of it, and different addresses. Some
+    chips have one address."""
     wires: dict[tuple[str, str], _Wire] = {}
     senders: dict[tuple[str, str], _Wire] = {}
     addresses: dict[tuple[tuple[str, str], float], _Wire] = {}
@@ -67,7 +68,7 @@ def _check_uarts(data: Raw, uarts: list[tuple[Path, ChipName, Raw]]) -> Iterator
         first = wires.setdefault(own.receives, own)
         sender = senders.setdefault(own.sends, own) if "tx_pin" in tmc else own
         owner = addresses.setdefault((own.receives, number(tmc, "address") or 0), own)
-        if owner is not own and "TMC2208" in (chip, owner.chip):
+        if owner is not own and 1 in (CHIPS[chip].addresses, CHIPS[owner.chip].addresses):
             limit, value = "a pin of its own: it belongs to", tmc["uart_pin"]
             yield Finding("config.conflict", (*path, "uart_pin"), value, limit, owner=owner.path)
         elif first.sends != own.sends:
@@ -90,34 +91,54 @@ def _wire(data: Raw, path: Path, chip: ChipName, tmc: Raw) -> _Wire:
     return _Wire(path, chip, (board, bare(receives)), (board, bare(sends)), bare(sent_on))
 
 
+def by_uart(chip: ChipName, tmc: Raw) -> bool:
+    """Whether the driver is on a UART; a chip with both buses is on that of its pins."""
+    buses = CHIPS[chip].buses
+    return "uart" in buses and (len(buses) == 1 or "uart_pin" in tmc)
+
+
 def _check_keys(data: Raw, stepper: Raw, tmc: Raw, chip: ChipName, path: Path) -> Iterator[Finding]:
-    by_uart = CHIPS[chip].wire == "uart"
-    for key in _SPI_KEYS if by_uart else _UART_KEYS:
+    uart = by_uart(chip, tmc)
+    for key in _SPI_KEYS if uart else _UART_KEYS:
         if key in tmc:
-            limit = f"{'uart_pin' if by_uart else ', '.join(_SPI_KEYS)} for a {chip}"
+            limit = f"{'uart_pin' if uart else ', '.join(_SPI_KEYS)} for a {chip}"
             yield Finding("config.conflict", (*path, key), tmc[key], limit)
-    wanted = ("uart_pin",) if by_uart else _SPI_KEYS
+    wanted = ("uart_pin",) if uart else _SPI_KEYS
     board, word = placed(str(stepper.get("socket")))
     socket = table(data, *section(board), "sockets", word)
     for key in wanted:
         if key not in tmc and not (key == "cs_pin" and "select" in socket):
             yield Finding("config.missing-key", (*path, key), None, f"a pin, for a {chip}")
-    if chip == "TMC2208" and "address" in tmc:
-        limit = "no address: that of a TMC2208 is 0"
+    if CHIPS[chip].addresses == 1 and "address" in tmc:
+        limit = f"no address: that of a {chip} is 0"
         yield Finding("config.conflict", (*path, "address"), tmc["address"], limit)
+    if not CHIPS[chip].currents.hold and "hold_current_a" in tmc:
+        limit = f"no such key: a {chip} has one current, also at standstill"
+        yield Finding("config.conflict", (*path, "hold_current_a"), tmc["hold_current_a"], limit)
+    if not CHIPS[chip].mode:
+        for key in ("stealthchop_below_mm_s", "stealthchop_below_deg_s"):
+            if key in tmc:
+                limit = f"no such key: a {chip} has no stealthChop"
+                yield Finding("config.conflict", (*path, key), tmc[key], limit)
+    wrong = _RESISTORS[chip != "TMC2240"]
+    if wrong in tmc:
+        limit = f"{_RESISTORS[chip == 'TMC2240']} for a {chip}"
+        yield Finding("config.conflict", (*path, wrong), tmc[wrong], limit)
 
 
 def _check_currents(tmc: Raw, chip: ChipName, path: Path) -> Iterator[Finding]:
-    resistor = number(tmc, "sense_resistor_ohm") or CHIPS[chip].resistor_ohm
+    key = _RESISTORS[chip == "TMC2240"]
+    law = CHIPS[chip].currents
+    resistor = number(tmc, key) or law.resistor_ohm
     if resistor <= 0:
         return
-    least_a = least_current_ma(chip, resistor) / 1000
-    most_a = largest_current_ma(chip, resistor) / 1000
-    for key in _CURRENTS:
-        ampere = number(tmc, key)
+    least_a, most_a = law.least_ma(resistor) / 1000, law.largest_ma(resistor) / 1000
+    for current in _CURRENTS:
+        ampere = number(tmc, current)
         if ampere is not None and not least_a <= ampere <= most_a:
-            limit = f"{least_a:g} to {most_a:g} A with a sense resistor of {resistor:g} ohm"
-            yield Finding("config.value", (*path, key), ampere, limit)
+            what = key.removesuffix("_ohm").replace("_", " ")
+            limit = f"{least_a:g} to {most_a:g} A with a {what} of {resistor:g} ohm"
+            yield Finding("config.value", (*path, current), ampere, limit)
 
 
 def check_thresholds(stepper: Raw, path: Path, turns: bool) -> Iterator[Finding]:

@@ -26,6 +26,8 @@ DriverName = Literal[
     "TMC2208",
     "TMC2209",
     "TMC2225",
+    "TMC2226",
+    "TMC2240",
     "TMC2660",
     "TMC5160",
 ]
@@ -45,6 +47,8 @@ DRIVERS: dict[DriverName, DriverTimes] = {
     "TMC2208": _TMC,
     "TMC2209": _TMC,
     "TMC2225": _TMC,
+    "TMC2226": _TMC,
+    "TMC2240": _TMC,
     "TMC2660": _TMC,
     "TMC5160": _TMC,
 }

@@ -35,7 +35,7 @@ Need = Literal[
 ]
 
 # Drivers that are set up over SPI: each needs the chip select of its socket.
-_SPI_DRIVERS = ("TMC2130", "TMC2660", "TMC5160")
+_SPI_DRIVERS = ("TMC2130", "TMC2240", "TMC2660", "TMC5160")
 _MOTOR_PINS: dict[str, Need] = {"step": "digital", "direction": "digital", "enable": "enable"}
 # Functions of pins that several drivers or sensors may share.
 _WIRES: dict[str, Need] = {
@@ -104,7 +104,7 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
         tmc = table(stepper, "tmc")
         if "cs_pin" in tmc:
             yield from _claim((*path, "tmc", "cs_pin"), tmc["cs_pin"], "select")
-        elif stepper.get("driver") in _SPI_DRIVERS:
+        elif stepper.get("driver") in _SPI_DRIVERS and "uart_pin" not in tmc:
             yield from _of_socket(path, stepper, socket.get("select"), "select")
         yield from _wires((*path, "tmc"), tmc)
     for part in ("heaters", "fans", "outputs", "sensors"):

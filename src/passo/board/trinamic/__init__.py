@@ -1,10 +1,11 @@
-"""Motor drivers with registers, over UART or SPI: TMC2208, TMC2209, TMC2130, TMC5160."""
+"""Motor drivers with registers, over UART or SPI: the exchanges with them, and their status."""
 
 from passo.board.trinamic.driver import (
     AnswerLostError,
     DriverFailure,
     DriverLink,
     Exchange,
+    Spi20Wire,
     SpiWire,
     UartWire,
 )
@@ -19,6 +20,7 @@ __all__ = [
     "Exchange",
     "Finding",
     "Reading",
+    "Spi20Wire",
     "SpiWire",
     "UartWire",
     "findings",

@@ -63,6 +63,23 @@ def spi_value(data: bytes) -> int | None:
     return int.from_bytes(data[1:], "big")
 
 
+def spi20(register: int, value: int) -> bytes:
+    """An access to a TMC2660: a datagram of 20 bits, twice. The chip takes the second one."""
+    datagram = register << 17 | value
+    return (datagram << 20 | datagram).to_bytes(SPI_BYTES, "big")
+
+
+def spi20_value(sent: bytes, data: bytes) -> int | None:
+    """The answer of 20 bits to this access; None if the chip has not returned what was sent, or if
+    one of the two bits that are always 0 is not."""
+    if len(data) != SPI_BYTES:
+        return None
+    both = int.from_bytes(data, "big")
+    returned = int.from_bytes(sent, "big") & 0xFFFFF
+    right = both & 0xFFFFF == returned and both >> 28 & 3 == 0
+    return both >> 20 if right else None
+
+
 def _sealed(data: bytes) -> bytes:
     return data + bytes([crc8(data)])
 

@@ -11,9 +11,10 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol, TypeAlias, TypeVar
 
-from passo.board.trinamic import registers as r
 from passo.board.trinamic.datagrams import (
     ANSWER_BYTES,
+    spi20,
+    spi20_value,
     spi_read,
     spi_value,
     spi_write,
@@ -22,13 +23,14 @@ from passo.board.trinamic.datagrams import (
     uart_write,
 )
 from passo.board.trinamic.settings import DriverSettings
-from passo.board.trinamic.status import Reading
-from passo.config.trinamic import ChipName
+from passo.board.trinamic.status import Reading, names_fault
+from passo.config.trinamic import CHIPS, Chip, ChipName
 from passo.errors import Problem
 
 _TRIES = 5
-_RESET = 1  # of GSTAT
-_SHOWN = (r.GCONF, r.CHOPCONF)  # on every chip, these registers read back as they were written
+_RESET, _DRV_ERR = 1, 2  # of GSTAT
+_IFCNT, _IHOLD_IRUN = 0x02, 0x10
+_DRVCONF, _READRSP, _RDSEL_LOW = 0x07, 0x10, 4  # of a TMC2660
 
 
 T = TypeVar("T")
@@ -84,13 +86,13 @@ class UartWire:
 
     def write(self, writes: list[tuple[int, int]]) -> Exchange[bool]:
         """Writes registers; True if the driver's counter of writes shows that all have arrived."""
-        before = yield from self.read(r.IFCNT)
+        before = yield from self.read(_IFCNT)
         if before is None:
             return False
         for register, value in writes:
             with suppress(AnswerLostError):  # a write has no answer
                 yield self._question(uart_write(self.address, register, value), 0)
-        after = yield from self.read(r.IFCNT)
+        after = yield from self.read(_IFCNT)
         return after is not None and after - before & 0xFF == len(writes)
 
     def _question(self, bits: bytes, read: int) -> str:
@@ -109,13 +111,13 @@ class SpiWire:
         while True:
             with suppress(AnswerLostError):
                 yield self._question(spi_read(register))
-                data = yield self._question(spi_read(r.IHOLD_IRUN))
+                data = yield self._question(spi_read(_IHOLD_IRUN))
                 return spi_value(data)
 
     def write(self, writes: list[tuple[int, int]]) -> Exchange[bool]:
         """Writes registers; True if the chip has returned all of them. Each access returns the data
         of the access before it."""
-        accesses = [*(spi_write(*write) for write in writes), spi_read(r.GSTAT)]
+        accesses = [*(spi_write(*write) for write in writes), spi_read(_IHOLD_IRUN)]
         right = True
         i, written = 0, None
         while i < len(accesses):
@@ -134,57 +136,133 @@ class SpiWire:
         return f"spi_transfer oid={self.oid} data={data.hex()}"
 
 
+@dataclass(slots=True)
+class Spi20Wire:
+    """Access over SPI to a TMC2660: the object `oid` of the board. Each access sends the same
+    datagram of 20 bits twice, and the chip returns an answer and the first datagram: this verifies
+    what is written. `select` is DRVCONF without RDSEL."""
+
+    checked: ClassVar[bool] = False
+    oid: int
+    select: int = 0
+
+    def read(self, register: int) -> Exchange[int | None]:
+        """Reads one of the three answers; DRVCONF selects it."""
+        datagram = spi20(_DRVCONF, self.select | (register - _READRSP) << _RDSEL_LOW)
+        value: int | None = None
+        for _ in range(2):  # the answer to the first access is the one that was selected before
+            value = yield from self._access(datagram)
+            if value is None:
+                return None
+        return value
+
+    def write(self, writes: list[tuple[int, int]]) -> Exchange[bool]:
+        """Writes registers; True if the chip has returned all of them."""
+        right = True
+        for register, value in writes:
+            if register == _DRVCONF:
+                self.select = value & ~(3 << _RDSEL_LOW)
+            right &= (yield from self._access(spi20(register, value))) is not None
+        return right
+
+    def _access(self, datagram: bytes) -> Exchange[int | None]:
+        while True:
+            with suppress(AnswerLostError):
+                data = yield f"spi_transfer oid={self.oid} data={datagram.hex()}"
+                return spi20_value(datagram, data)
+
+
 @dataclass(frozen=True, slots=True)
 class DriverLink:
     """The driver of a motor, reached over `wire`; `place` names its pins in messages. All methods
     raise DriverFailure."""
 
     motor: str
-    chip: ChipName
+    name: ChipName
     wire: _Wire
     place: str
+
+    @property
+    def chip(self) -> Chip:
+        """The table of the chip."""
+        return CHIPS[self.name]
 
     def configure(self, settings: DriverSettings) -> Exchange[None]:
         """Verifies that the chip is the right one, writes all its registers, and reads back those
         that are readable."""
         yield from self._identify()
-        writes = settings.writes()
+        yield from self._write(settings.writes())
+        yield from self._general()  # reading clears the flags of a TMC2130
+
+    def change(self, before: DriverSettings, settings: DriverSettings) -> Exchange[None]:
+        """Writes the registers whose values differ from those of the settings `before`."""
+        old, new = dict(before.writes()), settings.writes()
+        changed = [(register, value) for register, value in new if old.get(register) != value]
+        if changed:
+            yield from self._write(changed)
+
+    def read(self, register: str) -> Exchange[int]:
+        """Reads a register by its name."""
+        return (yield from self._read(self.chip.registers[register].address))
+
+    def status(self) -> Exchange[Reading]:
+        """Reads the flags of the driver and of the chip; reads a fault twice unless a checksum
+        protects the answer. A fault that appears between the two registers has its name too."""
+        gstat = yield from self._general()
+        status = yield from self.read(self.chip.status.name)
+        if not self.wire.checked:  # a fault must be read twice before it is reported
+            gstat &= yield from self._general()
+            status &= yield from self.read(self.chip.status.name)
+        if gstat & _DRV_ERR and not names_fault(self.name, status):
+            again = yield from self.read(self.chip.status.name)
+            if not self.wire.checked:
+                again &= yield from self.read(self.chip.status.name)
+            status |= again
+        if gstat == status == 0:
+            yield from self._identify()  # a line that is stuck low reads as no fault
+        if not self.wire.checked and (yield from self._is_off()):
+            gstat |= _RESET
+        fields: dict[str, int] = {}
+        for register in self.chip.measured:
+            value = yield from self.read(register)
+            fields |= self.chip.registers[register].unpack(value)
+        return Reading(gstat, status, fields)
+
+    def _write(self, writes: list[tuple[int, int]]) -> Exchange[None]:
         for _ in range(_TRIES):
             if (yield from self.wire.write(writes)):
                 break
         else:
             raise self._failure("deaf")
+        shown = {self.chip.registers[name].address for name in self.chip.shown}
         for register, value in writes:
-            if register in _SHOWN and (yield from self._read(register)) != value:
+            if register in shown and (yield from self._read(register)) != value:
                 raise self._failure("deaf")
-        yield from self._read(r.GSTAT)  # reading clears the flags of a TMC2130
 
-    def status(self) -> Exchange[Reading]:
-        """Reads GSTAT and DRV_STATUS; reads a fault twice unless a checksum protects the answer."""
-        gstat = yield from self._read(r.GSTAT)
-        status = yield from self._read(r.DRV_STATUS)
-        if not self.wire.checked:  # a fault must be read twice before it is reported
-            gstat &= yield from self._read(r.GSTAT)
-            status &= yield from self._read(r.DRV_STATUS)
-        if gstat == status == 0:
-            yield from self._identify()  # a line that is stuck low reads as no fault
-        if not self.wire.checked and (yield from self._is_off()):
-            gstat |= _RESET
-        return Reading(gstat, status)
+    def _general(self) -> Exchange[int]:
+        """Reads GSTAT, if the chip has it."""
+        return (yield from self.read("GSTAT")) if "GSTAT" in self.chip.registers else 0
 
     def _is_off(self) -> Exchange[bool]:
-        """Whether the chip on SPI was reset and so is off; a TMC2130 reports a reset only once."""
-        toff = r.CHIPS[self.chip].fields[r.CHOPCONF]["toff"]
+        """Whether the chip on SPI was reset and so is off; a TMC2130 reports a reset only once. A
+        TMC2660 never reports one."""
+        if "r" not in self.chip.registers["CHOPCONF"].access:
+            return False
+        toff = self.chip.registers["CHOPCONF"].fields["toff"]
         for _ in range(2):
-            if toff.of((yield from self._read(r.CHOPCONF))) != 0:
+            if toff.of((yield from self.read("CHOPCONF"))) != 0:
                 return False
         return True
 
     def _identify(self) -> Exchange[None]:
-        chip, found = r.CHIPS[self.chip], 0
+        """Verifies the version; a TMC2660 has none, but it returns what it receives."""
+        if self.chip.version is None:
+            yield from self.read(self.chip.status.name)
+            return
+        version, found = self.chip.registers["IOIN"].fields["version"], 0
         for _ in range(_TRIES):
-            found = chip.version_of((yield from self._read(chip.version_register)))
-            if found == chip.version:
+            found = version.of((yield from self.read("IOIN")))
+            if found == self.chip.version:
                 return
         if found == 0:
             raise self._failure("silent")
@@ -198,5 +276,5 @@ class DriverLink:
         raise self._failure("silent")
 
     def _failure(self, code: str, value: str = "") -> DriverFailure:
-        values = {"axis": self.motor, "value": value or self.chip, "limit": self.place}
+        values = {"axis": self.motor, "value": value or self.name, "limit": self.place}
         return DriverFailure(Problem(f"driver.{code}", values=values))

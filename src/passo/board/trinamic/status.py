@@ -2,18 +2,41 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from passo.board.trinamic import registers as r
-from passo.config.trinamic import ChipName
+from passo.config.trinamic import CHIPS, ChipName
 from passo.errors import Problem
 
+_OFFSET_C, _PER_C = 2038, 7.7  # ADC_TEMP of a TMC2240
+_SUPPLY_V = 0.009732  # of a count of its ADC_VSUPPLY
 
-class Reading(NamedTuple):
-    """The values of GSTAT and DRV_STATUS of a driver."""
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """What a driver has reported: the value of GSTAT, that of the register with the driver's flags,
+    and the fields of further registers."""
 
     gstat: int
     status: int
+    fields: Mapping[str, int] = field(default_factory=dict[str, int])
+
+    def flags(self, chip: ChipName) -> dict[str, int]:
+        """The fields of the status register that are not 0."""
+        return {n: v for n, v in CHIPS[chip].status.unpack(self.status).items() if v}
+
+    @property
+    def temperature_c(self) -> float | None:
+        """The temperature of a chip that measures it."""
+        raw = self.fields.get("adc_temp")
+        return None if raw is None else (raw - _OFFSET_C) / _PER_C
+
+    @property
+    def supply_v(self) -> float | None:
+        """The voltage of the motor supply, of a chip that measures it."""
+        raw = self.fields.get("adc_vsupply")
+        return None if raw is None else raw * _SUPPLY_V
 
 
 class Finding(NamedTuple):
@@ -29,8 +52,9 @@ _COILS = (("a", "A"), ("b", "B"))
 def findings(motor: str, chip: ChipName, reading: Reading) -> list[Finding]:
     """All findings of a reading, the most serious first. Without open coils, which the chip cannot
     detect at standstill: see `open_coils`."""
-    flags = r.CHIPS[chip].unpack(r.DRV_STATUS, reading.status)
-    general = r.CHIPS[chip].unpack(r.GSTAT, reading.gstat)
+    flags = reading.flags(chip)
+    gstat = CHIPS[chip].registers.get("GSTAT")
+    general = gstat.unpack(reading.gstat) if gstat else {}
     found: list[Finding] = []
 
     def add(code: str, value: str = "", *, stops: bool = True) -> None:
@@ -38,25 +62,30 @@ def findings(motor: str, chip: ChipName, reading: Reading) -> list[Finding]:
         found.append(Finding(Problem(f"driver.{code}", values=values), stops))
 
     for suffix, coil in _COILS:
-        if flags[f"s2g{suffix}"]:
+        if flags.get(f"s2g{suffix}"):
             add("short-to-ground", coil)
         if flags.get(f"s2vs{suffix}"):
             add("short-to-supply", coil)
-    if flags["ot"]:
+    if flags.get("ot"):
         add("overheated")
-    if general["reset"]:
+    if general.get("reset") or general.get("register_reset"):
         add("reset")
-    if general["uv_cp"]:
+    if general.get("uv_cp") or general.get("vm_uvlo"):
         add("undervoltage")
-    if general["drv_err"] and not found:
+    if general.get("drv_err") and not found:
         add("stopped")
-    if flags["otpw"] and not flags["ot"]:
+    if flags.get("otpw") and not flags.get("ot"):
         add("hot", stops=False)
     return found
+
+
+def names_fault(chip: ChipName, status: int) -> bool:
+    """Whether the status register contains a flag of a fault that stops the driver."""
+    return any(finding.stops for finding in findings("", chip, Reading(0, status)))
 
 
 def open_coils(chip: ChipName, reading: Reading) -> list[str]:
     """Findings for coils that read as open. Call it only for a motor that turns slowly; the flags
     are invalid otherwise."""
-    flags = r.CHIPS[chip].unpack(r.DRV_STATUS, reading.status)
-    return [coil for suffix, coil in _COILS if flags[f"ol{suffix}"]]
+    flags = reading.flags(chip)
+    return [coil for suffix, coil in _COILS if flags.get(f"ol{suffix}")]

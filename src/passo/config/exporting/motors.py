@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from passo.config.exporting.cfg import Cfg
 
 _FULL_TURN = 200
+_KLIPPERS = {"TMC2225": "TMC2208", "TMC2226": "TMC2209"}
 
 
 def put_stepper(cfg: Cfg, name: str, section: str) -> None:
@@ -32,7 +33,7 @@ def put_stepper(cfg: Cfg, name: str, section: str) -> None:
     tmc, chip = stepper.tmc, chip_of(stepper.driver)
     if tmc is None or chip is None:
         return
-    driver = f"{chip.lower()} {section}"
+    driver = f"{_KLIPPERS.get(chip, chip).lower()} {section}"
     socket = machine.socket(name)
     select = tmc.cs_pin or (f"{stepper.socket}_SELECT" if socket and socket.select else None)
     buses = (tmc.clock_pin, tmc.mosi_pin, tmc.miso_pin)
@@ -48,7 +49,8 @@ def put_stepper(cfg: Cfg, name: str, section: str) -> None:
         spi_software_miso_pin=miso,
         run_current=tmc.run_current_a,
         hold_current=tmc.hold_current_a,
-        sense_resistor=tmc.resistor_ohm(chip),
+        sense_resistor=None if chip == "TMC2240" else tmc.resistor_ohm(chip),
+        rref=tmc.resistor_ohm(chip) if chip == "TMC2240" else None,
         stealthchop_threshold=tmc.stealthchop_below_mm_s,
         interpolate=None if tmc.interpolate else False,
     )

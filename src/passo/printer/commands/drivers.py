@@ -11,7 +11,7 @@ from passo.board.drivers import DriverState
 from passo.board.trinamic import DriverSettings, findings, open_coils, threshold_of
 from passo.config.klipper_names import stepper_object
 from passo.config.part_names import found_name
-from passo.config.trinamic import largest_current_ma, least_current_ma
+from passo.config.trinamic import CHIPS
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
 from passo.gcode.parameters import TOOL, axes, integer, refused, text
@@ -71,8 +71,9 @@ class DriverCommands:
         current. Raises CommandError if the driver does not support one of them."""
         settings = self._watch.states[motor].settings
         share = settings.hold_a / settings.run_a
-        most = floor(largest_current_ma(settings.chip, settings.resistor_ohm) / max(1.0, share))
-        least = least_current_ma(settings.chip, settings.resistor_ohm)
+        law = CHIPS[settings.chip].currents
+        most = floor(law.largest_ma(settings.resistor_ohm) / max(1.0, share))
+        least = law.least_ma(settings.resistor_ohm)
         if not least <= milliampere <= most:
             limit = f"{least} to {most} mA"
             raise CommandError.bad_value(letter, milliampere, limit)
@@ -160,7 +161,9 @@ class DriverCommands:
         stepper = self._machine.steppers[motor]
         tmc = stepper.tmc
         below = (tmc.stealthchop_below_mm_s or tmc.stealthchop_below_deg_s) if tmc else None
-        return threshold_of(below * stepper.steps_per_unit, stepper.microsteps) if below else 0
+        chip = self._watch.states[motor].settings.chip
+        speed = below * stepper.steps_per_unit if below else 0.0
+        return threshold_of(chip, speed, stepper.microsteps) if below else 0
 
     def _motors(
         self, letter: str, reply: Reply, index: float | None = None, tool: float | None = None

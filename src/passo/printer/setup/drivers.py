@@ -37,7 +37,9 @@ def drivers(machine: MachineConfig) -> Iterator[Driver]:
             tmc.resistor_ohm(chip),
             stepper.microsteps,
             tmc.interpolate,
-            threshold_of(below * stepper.steps_per_unit, stepper.microsteps) if below else None,
+            threshold_of(chip, below * stepper.steps_per_unit, stepper.microsteps)
+            if below
+            else None,
         )
         if tmc.uart_pin:
             wire = UartPins(pin(tmc.uart_pin), pin(tmc.tx_pin or tmc.uart_pin))

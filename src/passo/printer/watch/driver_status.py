@@ -84,11 +84,23 @@ class DriverWatch:
         """The drivers by their motors."""
         return {m: state for drivers in self._of_boards for m, state in drivers.states.items()}
 
-    def set(self, motor: str, settings: DriverSettings) -> None:
-        """Changes the settings of a driver, without waiting for the exchange with the driver."""
-        if settings != self.states[motor].settings:
+    def set(self, motor: str, settings: DriverSettings, *, keep: bool = True) -> None:
+        """Changes the settings of a driver: writes the registers that differ, without waiting for
+        the exchange with the driver. With `keep`, a restart of the board keeps the settings."""
+        if keep:
             self._set[motor] = settings
-            self._of(motor).begin_configure(motor, settings)
+        if settings != self.states[motor].settings:
+            self._of(motor).begin_change(motor, settings)
+
+    def read(self, motor: str, register: str, done: Callable[[int], None]) -> None:
+        """Reads a register of a driver by its name, without waiting: calls `done` with its
+        value."""
+        self._of(motor).begin_read(motor, register, done)
+
+    async def settled(self) -> None:
+        """Waits until the drivers have answered everything. A driver that fails halts the printer
+        if its motor is on."""
+        await self._answered()
 
     def initialise(self, motor: str) -> None:
         """Writes the settings of a driver again, without waiting for the exchange with it."""

@@ -1,0 +1,21 @@
+"""Motor drivers with registers: the table of chips, their currents, and their keys in a machine
+file."""
+
+from passo.config.trinamic.chips import CHIPS, THRESHOLD_MAX, Bus, Chip, ChipName, chip_of
+from passo.config.trinamic.currents import CurrentLaw, CurrentNumbers
+from passo.config.trinamic.keys import Tmc
+from passo.config.trinamic.registers import Field, Register
+
+__all__ = [
+    "CHIPS",
+    "THRESHOLD_MAX",
+    "Bus",
+    "Chip",
+    "ChipName",
+    "CurrentLaw",
+    "CurrentNumbers",
+    "Field",
+    "Register",
+    "Tmc",
+    "chip_of",
+]

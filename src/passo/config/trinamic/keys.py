@@ -1,0 +1,50 @@
+"""The keys of motor drivers with registers in a machine file."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from passo.config.trinamic.chips import CHIPS, ChipName
+from passo.config.types import Model, NotNegative, Pin, Positive
+
+
+class Tmc(Model):
+    """The settings of a driver with registers: docs/how-to/set-up-drivers.md."""
+
+    run_current_a: Positive
+    """The RMS current while the motor moves."""
+    hold_current_a: Positive | None = None
+    """The RMS current at standstill. If not given, `run_current_a`."""
+    sense_resistor_ohm: Positive | None = None
+    """The sense resistor of the module. If not given, 0.11 Ω, 0.075 Ω for a TMC5160, and 0.051 Ω
+    for a TMC2660."""
+    reference_resistor_ohm: Positive | None = None
+    """The resistor at the pin IREF of a TMC2240. If not given, 12000 Ω."""
+    stealthchop_below_mm_s: NotNegative | None = None
+    """The driver is silent (stealthChop) below this speed of the motor. If not given, never."""
+    stealthchop_below_deg_s: NotNegative | None = None
+    """The same speed for an arm."""
+    interpolate: bool = True
+    """Whether the driver interpolates to 256 microsteps per full step."""
+    uart_pin: Pin | None = None
+    """The pin of the UART of a driver. If not given, that of the socket."""
+    tx_pin: Pin | None = None
+    """The pin that sends, on boards with a pin for each direction. If not given, `uart_pin`."""
+    address: Annotated[int, Field(ge=0, le=3)] = 0
+    """The address of a TMC2209, TMC2226 or TMC2240, set by its pins MS1 and MS2. With the UART of
+    the socket, that of the socket if not given."""
+    cs_pin: Pin | None = None
+    """The chip select of a driver on SPI. If not given, that of the socket."""
+    clock_pin: Pin | None = None
+    """The clock of the SPI bus."""
+    mosi_pin: Pin | None = None
+    """The data to the driver."""
+    miso_pin: Pin | None = None
+    """The data from the driver."""
+
+    def resistor_ohm(self, chip: ChipName) -> float:
+        """The resistor that sets the current, ohm; the usual one of modules if not given."""
+        given = self.sense_resistor_ohm or self.reference_resistor_ohm
+        return given or CHIPS[chip].currents.resistor_ohm
