@@ -1,6 +1,7 @@
 """Klipper's printer.cfg becomes a machine file. The configurations here are our own."""
 
 import math
+import re
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,7 @@ from tests.support.scenario import Scenario
 
 from passo import config
 from passo.cli.main import main
+from passo.config.home_checks import check_skew
 from passo.config.importing.draft import Draft
 from passo.config.importing.formats import imported
 from passo.errors import ConfigError
@@ -377,8 +379,9 @@ def test_board_has_port_baud_and_the_clock_of_its_chip(load) -> None:
     board = machine.board
     assert (board.base, board.link, board.port) == ("klipper", "serial", "/dev/ttyACM0")
     assert (board.baud, board.clock_hz) == (250_000, 72_000_000)
-    draft, _ = load(("STM32F103", "secret chip"))
-    assert any("clock_hz is 16 MHz" in text for text in remarks(draft, "decide"))
+    draft, machine = load(("STM32F103", "secret chip"))
+    assert any("reads its clock from the firmware" in text for text in remarks(draft, "changed"))
+    assert not machine.board.knows_clock
 
 
 def test_names_keep_their_case_and_are_found_in_any(load, tmp_path) -> None:
@@ -858,12 +861,22 @@ def test_include_of_a_file_that_is_none_is_to_decide(load, file: str) -> None:
     assert f"[include {file}]: the file is missing" in "\n".join(remarks(draft, "decide"))
 
 
-def test_stored_skew_is_a_profile_and_needs_the_reach(load) -> None:
+def test_stored_skew_is_a_profile_with_its_reach(load) -> None:
     more = "[skew_correction]\n" + SAVED + "#*# [skew_correction my]\n#*# xz_skew = -0.017\n"
-    draft, _ = load(("kinematics: cartesian", "kinematics: corexy"), more=more)
-    assert "SKEW_PROFILE LOAD=my uses it, when you have given min_mm" in "\n".join(
-        remarks(draft, "decide")
+    _, machine = load(more=more)
+    skewed = machine.geometry.model_copy(update={"skew": [0.0, -0.017, 0.0]})
+    assert [*check_skew(machine.model_copy(update={"geometry": skewed}))] == []
+    assert (machine.steppers["x"].min_mm, machine.steppers["x"].max_mm) == (0.0, 235.0)
+    assert machine.steppers["y"].min_mm is None
+    draft, machine = load(("kinematics: cartesian", "kinematics: corexy"), more=more)
+    z = machine.axes["z"]
+    found = re.search(
+        r"LOAD=my uses it, when geometry has reach_x_mm = \[(.*), (.*)\], if the carriages reach",
+        "\n".join(remarks(draft, "decide")),
     )
+    assert found is not None
+    reach = float(found[1]), float(found[2])
+    assert reach == pytest.approx((0.017 * min(z.min_mm, 0.0), 235 + 0.017 * z.max_mm), abs=0.01)
     assert draft.commands == ["SKEW_PROFILE SET=my XY=0.000000000 XZ=-0.017000000 YZ=0.000000000"]
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from tests.config.test_import_klipper import BASE
 from tests.support.import_remarks import remarks
+from tests.support.scenario import Scenario
 
 from passo import config
 from passo.cli.main import main
@@ -240,11 +241,26 @@ def test_stored_meshes_and_skews_go_to_the_state_folder(
     ["hybrid_corexy", "hybrid_corexz"],
 )
 def test_hybrid_machines_keep_the_motor_of_one_axis(load, kind: str) -> None:
-    _, machine = load(("kinematics: cartesian", f"kinematics: {kind}"))
+    change = ("kinematics: cartesian", f"kinematics: {kind}")
+    if kind == "hybrid_corexz":
+        draft, machine = load(change)  # no endstop of a motor of Z would stop the belt
+        assert "motor a of a belt moves with it" in "\n".join(remarks(draft, "decide"))
+        assert "z" not in machine.homing
+    _, machine = load(change, ("endstop_pin: PD7\n", ""))
     assert (machine.geometry.kind, list(machine.steppers)[:2]) == (kind, ["a", "y"])
     other = "y" if kind.endswith("y") else "z"
     point = dict(zip("xyz", (30.0, 20.0, 5.0), strict=True))
     assert machine.geometry.inverse((30.0, 20.0, 5.0)) == (30 - point[other], 20, 5)
+    with Scenario(config.on_simulated_boards(machine)) as s:
+        assert s.host.ok("G28", 120)[-1] == "ok"
+        home = machine.geometry.inverse(machine.home_point)
+        for motor, mm in zip(("a", "y", "z"), home, strict=True):
+            step_mm = 1 / machine.steppers[motor].steps_per_unit
+            assert s.positions()[motor] == pytest.approx(mm, abs=2 * step_mm)
+        assert s.host.ok(f"G1 {other.upper()}10 F600")[-1] == "ok"
+        s.host.ok("M400", 120)
+        x, away = machine.home_mm["x"], 10.0
+        assert s.positions()["a"] == pytest.approx(x - away, abs=0.05)
 
 
 def test_driver_on_a_spi_unit_gets_the_pins_of_the_unit(load) -> None:

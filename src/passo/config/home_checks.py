@@ -94,6 +94,32 @@ def check_offsets(machine: MachineConfig) -> Iterator[Finding]:
                 yield Finding("config.value", ("homing", name, "offsets_mm", motor), mm, limit)
 
 
+def check_own_switches(machine: MachineConfig) -> Iterator[Finding]:
+    """Checks that motors with endstops of their own are all that move their axis: no endstop would
+    stop the belt of another axis that moves along."""
+    axes = "xyz"
+    for name, homing in machine.homing.items():
+        if name not in axes or not homing.stepper_pins:
+            continue
+        k, home, geometry = axes.index(name), machine.home_point, machine.geometry.square
+        x, y, z = (mm - 1e-3 if i == k else mm for i, mm in enumerate(home))
+        moves = zip(geometry.inverse(home), geometry.inverse((x, y, z)), strict=True)
+        moved = [i for i, (before, after) in enumerate(moves) if abs(after - before) > 1e-5]
+        for motor in machine.steppers:
+            driven = machine.driven_by(motor)
+            if driven is None or driven.drive != "actuator" or driven.index not in moved:
+                continue
+            if driven.index not in [_index(machine, own) for own in homing.stepper_pins]:
+                path, pins = ("homing", name, "stepper_pins"), [*homing.stepper_pins]
+                limit = f"pin, one endstop for the axis: motor {motor} of a belt moves with it"
+                yield Finding("config.value", path, ", ".join(pins), limit)
+
+
+def _index(machine: MachineConfig, motor: str) -> int | None:
+    driven = machine.driven_by(motor)
+    return None if driven is None else driven.index
+
+
 def check_skew(machine: MachineConfig) -> Iterator[Finding]:
     """Checks machines with skew, which can move motors beyond the limits of their axes. Such motors
     must have limits of their own; crossed belts must have `reach_x_mm` and `reach_y_mm`."""

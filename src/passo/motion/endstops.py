@@ -163,26 +163,17 @@ def _moved(point: Point, k: int, by: float) -> Point:
 
 def weights_of(machine: MachineConfig, switch: Switch) -> tuple[tuple[str, float], ...]:
     """The weights of the motor positions whose weighted sum is the distance to an endstop, near
-    home; one motor for each actuator."""
-    if len(switch.steppers) == 1:
+    home; one motor for each actuator. A motor that does not move with the axis may have a weight:
+    X of a hybrid CoreXY is A + Y."""
+    axes, name = axis_order(machine.axes), switch.home
+    if is_actuator(machine, name) or name in axes[3:] or switch.name != name:
         return ((switch.steppers[0], 1.0),)
     geometry = machine.geometry.square
-    q = geometry.inverse(pressed_point(machine, switch))
-    k = axis_order(machine.axes).index(switch.home)
-    seen: set[int] = set()
+    q, k = geometry.inverse(pressed_point(machine, switch)), axes.index(name)
     weights: list[tuple[str, float]] = []
-    for name in switch.steppers:
-        driven = machine.driven_by(name)
-        if driven is None or driven.index in seen:
-            continue
-        seen.add(driven.index)
-        if driven.drive == "axis" or len(set(_indices(machine, switch.steppers))) == 1:
-            return ((name, 1.0),)
-        above, below = (geometry.forward(_moved(q, driven.index, d)) for d in (_NUDGE, -_NUDGE))
-        weights.append((name, round((above[k] - below[k]) / (2 * _NUDGE), 9)))
+    for motor in motors_of_actuators(machine):
+        if (driven := machine.driven_by(motor)) is not None:
+            above, below = (geometry.forward(_moved(q, driven.index, d)) for d in (_NUDGE, -_NUDGE))
+            if weight := round((above[k] - below[k]) / (2 * _NUDGE), 9):
+                weights.append((motor, weight))
     return tuple(weights)
-
-
-def _indices(machine: MachineConfig, steppers: tuple[str, ...]) -> list[int]:
-    driven = map(machine.driven_by, steppers)
-    return [d.index for d in driven if d is not None]

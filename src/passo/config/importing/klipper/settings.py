@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import re
+from itertools import product
+from string import digits
 from typing import TYPE_CHECKING
 
+from passo.config.geometry_kinds import KINDS
 from passo.config.importing.draft import StoredHeights
 from passo.config.importing.numbers import number_of
+from passo.geometry.core_belts import CoreBelts
+from passo.geometry.skewable import SkewableModel
 
 if TYPE_CHECKING:
     from passo.config.importing.klipper.cfg import Section
@@ -49,10 +54,40 @@ def _put_skew(job: Import, section: Section) -> None:
         return
     name, values = _name(section), (f"{p.upper()}={mm:.9f}" for p, mm in factors.items())
     job.draft.commands.append(f"SKEW_PROFILE SET={name} {' '.join(values)}")
-    text = _STORE.format("it", "SKEW_PROFILE", name)
-    text += ", when you have given min_mm and max_mm of the motors (of crossed belts reach_x_mm and"
-    text += " reach_y_mm), because skew moves carriages beyond their axes"
+    text = _STORE.format("it", "SKEW_PROFILE", name) + _put_reach(job, section, factors)
     job.draft.decide(section.place, f"[{section.name}]", text)
+
+
+def _put_reach(job: Import, section: Section, factors: dict[str, float]) -> str:
+    """Sets the reach of motors that skew moves beyond their axes: as in Klipper, that of the axis.
+    Carriages on crossed belts must reach more, so that the rest of the sentence asks for it."""
+    keys = job.draft.keys
+    reaches: list[str] = []
+    model = KINDS.get(str(keys["geometry", "kind"][0]))
+    if model is None or not issubclass(model, SkewableModel):
+        return ", on a cartesian machine or crossed belts only"
+    skewed = model.model_validate(
+        {"kind": keys["geometry", "kind"][0], "skew": [*factors.values()]}
+    )
+    ends = {axis: [_axis_mm(job, axis, end) for end in ("min_mm", "max_mm")] for axis in "xyz"}
+    if not issubclass(model, CoreBelts):
+        for motor in job.motors:
+            if (axis := motor.rstrip(digits)) in skewed.sheared_axes:
+                for key, mm in zip(("min_mm", "max_mm"), ends[axis], strict=True):
+                    job.draft.put(("steppers", motor, key), mm, section.place)
+        return ""
+    corners = [skewed.carriages((x, y, z)) for x, y, z in product(*ends.values())]
+    for axis in skewed.sheared_axes:
+        places = [corner["xyz".index(axis)] for corner in corners]
+        reaches.append(f"reach_{axis}_mm = [{min(places):.2f}, {max(places):.2f}]")
+    return (
+        f", when geometry has {' and '.join(reaches)}, if the carriages reach so far; if not,"
+        " shorten the axes"
+    )
+
+
+def _axis_mm(job: Import, axis: str, key: str) -> float:
+    return float(str(job.draft.keys["axes", axis, key][0]))
 
 
 def _name(section: Section) -> str:
