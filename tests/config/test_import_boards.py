@@ -1,5 +1,6 @@
 """A printer.cfg without the name of its board: the board is known by its pins."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -114,3 +115,12 @@ def test_unknown_board_has_the_chip_of_its_port(
     assert (board.base, board.clock_hz, board.move_count) == ("klipper", clock_hz, moves)
     assert main(["check", str(mine)]) == 0
     assert ("up to 25 µs" in capsys.readouterr().out) == (moves < 1024)
+
+
+def test_pins_named_gpio_are_those_of_an_rp2040(tmp_path: Path) -> None:
+    path, text = tmp_path / "printer.cfg", printer_cfg(config.load_board("octopus"))
+    for number, pin in enumerate(dict.fromkeys(re.findall(r"P[A-G]\d+", text))):
+        text = re.sub(rf"{pin}\b", f"gpio{number}", text)
+    path.write_text(text)
+    board = config.load_text(imported(path).text(""), "x.toml").board
+    assert (board.base, board.clock_hz, board.move_count) == ("klipper", 12_000_000, 1024)

@@ -358,14 +358,20 @@ def test_a_board_of_klippers_keeps_what_its_dictionary_reserves(tmp_path: Path) 
     assert loaded.board.reserved == {"USB": [], "crystal": [], "relay": ["PB15"]}
 
 
-def test_without_a_dictionary_the_clock_must_be_given(tmp_path: Path) -> None:
+def test_clock_of_klippers_board_may_be_left_to_its_firmware(tmp_path: Path) -> None:
     bare = KLIPPER.replace('dictionary = "board.dict"\n', "")
-    (problem,) = problems_of(bare)
-    assert problem.endswith(
-        "board.dictionary is missing: expected the file of the data dictionary that the firmware's"
-        " build has left, or clock_hz. Add the key."
-    )
-    assert config.load_text(bare + "clock_hz = 72_000_000\n").board.clock_hz == 72_000_000
+    board, text = config.load_text(bare).board, bare + "clock_hz = 72_000_000\n"
+    assert (board.clock_hz, board.knows_clock) == (16_000_000, False)
+    known = config.load_text(text).board
+    assert (known.clock_hz, known.knows_clock) == (72_000_000, True)
+    assert (learned := board.with_clock(72_000_000)).knows_clock
+    assert learned.budget_spec() == known.budget_spec()
+    own = config.load_text(bare + "budget = { cycles_per_step = 200 }\n").board
+    assert (budget := own.with_clock(72_000_000).budget)
+    assert (budget.cycles_per_step, budget.cycles_per_command) == (200, 1950)
+    alone = bare.replace('base = "klipper"', 'name = "mine"\nmcu = "atmega2560"\nmove_count = 256')
+    missing = "board.clock_hz is missing: expected the frequency of the board's clock"
+    assert any(missing in problem for problem in problems_of(alone))
     (missing,) = problems_of(KLIPPER, str(tmp_path / "my.toml"))
     assert "board.dictionary is 'board.dict': expected a file to read" in missing
 

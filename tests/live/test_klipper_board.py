@@ -16,6 +16,7 @@ from tests.support.scenario import Scenario
 
 from passo import config
 from passo.config.machine import MachineConfig
+from passo.printer.setup.connections import with_reported_clocks
 
 
 @pytest.fixture(params=["avr", "stm32, newer", "linux"])
@@ -66,6 +67,25 @@ def test_klipper_firmware_moves_heats_and_resets(board: KlipperBoard, tmp_path: 
         assert (board.resets, board.is_shutdown, board.is_config) == (1, 0, 1)
     assert board.wrong == []
     assert len(board.of_oid) == board.oids == 19
+
+
+def test_clock_that_no_file_gives_is_that_of_the_firmware(
+    board: KlipperBoard, tmp_path: Path
+) -> None:
+    text = KLIPPER.replace('dictionary = "board.dict"', 'link = "serial"')
+    text = on_its_pins(f'{text}port = "{board.path}"\n', board.told)
+    it = with_reported_clocks(config.load_text(text, str(tmp_path / "my.toml")))
+    assert it.board.clock_hz == board.told["config"]["CLOCK_FREQ"]
+    with Scenario(it, loop=asyncio.new_event_loop()) as scenario:
+        host, x = scenario.host, scenario.printer.rig.connection.main.oids.steppers["x"]
+        host.ok("G92 X0")
+        began = scenario.printer.rig.connection.now
+        host.send("G1 X30 F600", "M400", "M118 done")
+        host.expect("done", 20.0)
+        passed_s = (scenario.printer.rig.connection.now - began) / it.board.clock_hz
+        assert board.steps[x] == 2400
+        assert 3.0 < passed_s < 6.0
+    assert board.wrong == []
 
 
 def _values(board: KlipperBoard, name: str, oid: int | None = None) -> list[dict[str, Any]]:

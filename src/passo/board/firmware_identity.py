@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from contextlib import suppress
 
+from passo.board.description import BoardDescription
 from passo.board.dictionary import RUNS_KLIPPERS, RUNS_PASSOS, Dictionary, DictionaryError
 from passo.board.exchange import TRIES, Exchange, Values
 from passo.board.faults import BoardSilentError
+from passo.board.ports import Port
 from passo.board.words import check_words
+from passo.config.klippers_firmware import ASSUMED_CLOCK_HZ
 from passo.errors import MachineError
 
 _CHUNK, _SHORT_CHUNK = 40, 8
@@ -21,6 +24,22 @@ def identify(exchange: Exchange) -> None:
     _check_version(exchange)
     _check_clock(exchange)
     check_words(exchange.board, exchange.dictionary)
+
+
+def reported_clock_hz(port: Port, name: str) -> int:
+    """The frequency that the firmware of the board `name` at this port reports for its clock.
+    Raises MachineError."""
+    exchange = Exchange(BoardDescription(ASSUMED_CLOCK_HZ), port, name)
+    try:
+        read_dictionary(exchange)
+        hz = exchange.dictionary.number("CLOCK_FREQ")
+    except DictionaryError as error:
+        raise MachineError.of("machine.dictionary", value=str(error)) from None
+    finally:
+        port.close()
+    if hz <= 0:
+        raise MachineError.of("machine.dictionary", value="it does not have the clock (CLOCK_FREQ)")
+    return hz
 
 
 def read_dictionary(exchange: Exchange) -> None:

@@ -38,6 +38,10 @@ class Port(Protocol):
         device of a board that restarts is missing for a while. Raises MachineError."""
         ...
 
+    def close(self) -> None:
+        """Closes the port. `open` and `attach` open it again."""
+        ...
+
     def attach(self, link: _core.Link) -> Wire:
         """Connects a link to this port, and returns the transport, which carries bytes from now on.
         Raises MachineError."""
@@ -73,6 +77,9 @@ class InProcess:
         self._clock = clock
 
     def open(self, timeout_s: float = 0.0) -> None:
+        """Does nothing: the port is always open."""
+
+    def close(self) -> None:
         """Does nothing: the port is always open."""
 
     def attach(self, link: _core.Link) -> _core.Pump:
@@ -111,12 +118,7 @@ class LivePort:
     def open(self, timeout_s: float = 0.0) -> None:
         """Opens the port again, and closes the transport that was attached before. Raises
         MachineError."""
-        if self._wire is not None:
-            self._wire.stop()
-            self._wire = None
-        if self._descriptor is not None:
-            os.close(self._descriptor)
-            self._descriptor = None
+        self.close()
         last_s = time.monotonic() + timeout_s
         while self._descriptor is None:
             try:
@@ -125,6 +127,15 @@ class LivePort:
                 if time.monotonic() >= last_s:
                     raise
                 time.sleep(_REOPEN_S)
+
+    def close(self) -> None:
+        """Closes the device, and the transport that was attached."""
+        if self._wire is not None:
+            self._wire.stop()
+            self._wire = None
+        if self._descriptor is not None:
+            os.close(self._descriptor)
+            self._descriptor = None
 
     def attach(self, link: _core.Link) -> _core.LiveWire:
         """Returns a transport with a thread of its own. Opens the port first unless `open` has done

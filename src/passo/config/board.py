@@ -19,9 +19,10 @@ from passo.config.budget import (
     COMMITTED_S,
     LINK_BURST_S,
     Budget,
+    klippers_budget,
 )
 from passo.config.chips import Chip, chip, chip_names
-from passo.config.klippers_firmware import runs_klippers
+from passo.config.klippers_firmware import ASSUMED_CLOCK_HZ, runs_klippers
 from passo.config.pin_names import bare
 from passo.config.types import Model, Pin, Positive
 
@@ -152,8 +153,10 @@ class Board(Model):
     """The deviation of the clock of a further simulated board."""
     start_s: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     """The clock at which a further simulated board starts."""
-    clock_hz: Annotated[int, Field(ge=1_000_000, le=1_000_000_000)]
-    """The frequency of the clock."""
+    clock_hz: Annotated[int, Field(ge=1_000_000, le=1_000_000_000)] = ASSUMED_CLOCK_HZ
+    """The frequency of the clock. If not given for a board with the firmware of Klipper,
+    `passo serve` reads it from the firmware, and other commands assume 16 MHz. Every other board
+    needs it."""
     move_count: Annotated[int, Field(ge=16, le=65_535)]
     """The capacity of the move queue, in commands."""
     compression_tolerance_us: Annotated[float, Field(gt=0, le=25)] = 2.0
@@ -238,6 +241,19 @@ class Board(Model):
             per_step += budget.cycles_per_step if self.is_klippers else waits
         steps_s = budget.step_share * cpu_hz / per_step
         return steps_s, budget.command_share * cpu_hz / budget.cycles_per_command
+
+    @property
+    def knows_clock(self) -> bool:
+        """Whether a file gives the clock; if not, `clock_hz` is an assumption."""
+        return "clock_hz" in self.model_fields_set
+
+    def with_clock(self, clock_hz: int) -> Board:
+        """The board with the clock that its firmware, which is Klipper's, reports."""
+        assumed = klippers_budget(ASSUMED_CLOCK_HZ)
+        given = self.budget.model_dump(exclude_unset=True) if self.budget else {}
+        stated = {key: value for key, value in given.items() if value != assumed.get(key)}
+        budget = Budget.model_validate({**klippers_budget(clock_hz), **stated})
+        return self.model_copy(update={"clock_hz": clock_hz, "budget": budget})
 
     @property
     def is_klippers(self) -> bool:

@@ -19,8 +19,8 @@ from passo.config.budget import klippers_budget
 from passo.config.chips import chip, chip_names, numbering, numberings
 from passo.config.companion_files import MAX_BYTES, read_companion
 from passo.config.console_checks import check_console
-from passo.config.findings import Finding, array, did_you_mean, number, table, tables
-from passo.config.klippers_firmware import runs_klippers
+from passo.config.findings import Finding, array, did_you_mean, table, tables
+from passo.config.klippers_firmware import ASSUMED_CLOCK_HZ, runs_klippers
 from passo.config.pin_names import placed, section
 from passo.config.toml_lines import Path
 
@@ -28,8 +28,6 @@ Tables = dict[str, Any]
 
 _BOARDS = FilePath(__file__).parent / "boards"
 _NAMED = ("outputs", "thermistors", "endstops", "pins")
-# instead of an unknown clock, so that the missing clock is reported only once
-_ANY_CLOCK_HZ = 16_000_000
 _RESERVES = "RESERVE_PINS_"
 _SOCKET_PINS = {
     "step": "STEP",
@@ -67,7 +65,6 @@ def load_board(name: str) -> Board:
     if name not in shipped_boards():
         raise KeyError(name)
     data = shipped_tables(name)[0] | {"base": name}
-    data.setdefault("clock_hz", 16_000_000)  # for `klipper`, whose boards report their clock
     _put_klippers_budget(data, {})
     resolve_names(data)
     return Board.model_validate(data)
@@ -138,10 +135,9 @@ def _put_board(
         if "clock_hz" not in own:
             board.pop("clock_hz", None)  # the clock of the dictionary applies
         yield from _read_dictionary(board, (*place, "dictionary"), folder)
-    elif runs_klippers(board) and "clock_hz" not in board:
-        limit = "the file of the data dictionary that the firmware's build has left, or clock_hz"
-        yield Finding("config.missing-key", (*place, "dictionary"), None, limit)
-        board["clock_hz"] = _ANY_CLOCK_HZ
+    elif not runs_klippers(board) and "clock_hz" not in board:
+        limit = "the frequency of the board's clock"
+        yield Finding("config.missing-key", (*place, "clock_hz"), None, limit)
     _put_klippers_budget(board, own)
     variants = table(board, "variants")
     variant = board.get("variant")
@@ -161,8 +157,8 @@ def _put_board(
 def _put_klippers_budget(board: Tables, own: Mapping[str, Any]) -> None:
     """Fills in the default budget of Klipper's firmware where the machine file does not give one.
     The budget of a shipped board applies only to Passo's firmware."""
-    clock_hz, stated = number(board, "clock_hz"), own.get("budget", {})
-    if runs_klippers(board) and clock_hz is not None and isinstance(stated, Mapping):
+    clock_hz, stated = board.get("clock_hz", ASSUMED_CLOCK_HZ), own.get("budget", {})
+    if runs_klippers(board) and isinstance(clock_hz, int) and isinstance(stated, Mapping):
         board["budget"] = {**klippers_budget(clock_hz), **table(own, "budget")}
 
 
@@ -189,10 +185,10 @@ def _read_dictionary(board: Tables, path: Path, folder: FilePath) -> Iterator[Fi
         pins = _dictionary_pins(found["enumerations"]["pin"])
         board.setdefault("clock_hz", int(found["config"]["CLOCK_FREQ"]))
     except OSError as error:
-        board.setdefault("clock_hz", _ANY_CLOCK_HZ)
+        board.setdefault("clock_hz", ASSUMED_CLOCK_HZ)
         yield Finding("config.value", path, name, f"a file to read ({error.strerror})")
     except _NO_DICTIONARY:
-        board.setdefault("clock_hz", _ANY_CLOCK_HZ)
+        board.setdefault("clock_hz", ASSUMED_CLOCK_HZ)
         yield Finding("config.value", path, name, "a data dictionary of Klipper's protocol")
     else:
         board["pins"] = {**pins, **table(board, "pins")}

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 NAME = "klipper"
+# Until the firmware has reported its clock: that of the slowest boards, which plans for all.
+ASSUMED_CLOCK_HZ = 16_000_000
 
 
 def runs_klippers(board: Mapping[str, object]) -> bool:

@@ -42,6 +42,13 @@ def notes(machine: MachineConfig) -> Iterator[str]:
             f"the pins on {board} are not checked: its firmware's dictionary is not known. Give"
             f' {board} the key dictionary = "klipper.dict", the file of the firmware\'s build'
         )
+    for name, board in machine.all_boards.items():
+        if not board.knows_clock:
+            yield (
+                f"{key_text(section(name))}.clock_hz is not known: `passo serve` reads it from the"
+                f" firmware. Other commands assume {board.clock_hz / 1e6:g} MHz, so that an"
+                " estimate may be longer than the print"
+            )
     for name in {machine.board_of_stepper(stepper): None for stepper in machine.steppers}:
         board = machine.all_boards[name]
         if board.base == NAME and board.move_count <= _FEW_MOVES:

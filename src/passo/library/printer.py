@@ -26,6 +26,7 @@ from passo.errors import CommandError, MachineError
 from passo.gcode.command import Command, Given
 from passo.library.assembly import Assembly, assembled
 from passo.library.machine import Machine
+from passo.printer.setup.connections import with_reported_clocks
 from passo.printer.unfit_commands import Skips
 from passo.services.observer import Observer
 from passo.version import __version__
@@ -122,6 +123,7 @@ class Printer:
 
     async def __aenter__(self) -> Self:
         """Connects to the boards and starts. Raises MachineError, CardError, InputError."""
+        self.config = with_reported_clocks(self.config)
         self._assembly = assembled(
             self.config,
             free=self._fast,

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 from passo.board.boards import Boards
 from passo.board.connection import Connection
 from passo.board.description import BoardDescription
+from passo.board.firmware_identity import reported_clock_hz
 from passo.board.ports import Port, in_process, serial_port, tcp_port
+from passo.config.pin_names import MAIN
 from passo.printer.setup.boards import board_descriptions
 from passo.printer.setup.simulated_world import simulated_machine
 
@@ -50,6 +52,21 @@ def connect(machine: MachineConfig) -> tuple[Boards, SimulatedMachine | None]:
         return connect_simulated(machine, Cable())
     ports = [_port(board) for board in machine.all_boards.values()]
     return _connected(board_descriptions(machine), ports, adopt=True), None
+
+
+def with_reported_clocks(machine: MachineConfig) -> MachineConfig:
+    """The machine with the clock of each real board whose file does not give it, as its firmware
+    reports. Raises MachineError."""
+    if machine.board.link == "simulated":
+        return machine
+    boards = {
+        name: board
+        if board.knows_clock
+        else board.with_clock(reported_clock_hz(_port(board), name))
+        for name, board in machine.all_boards.items()
+    }
+    main = boards.pop(MAIN)
+    return machine.model_copy(update={"board": main, "boards": boards})
 
 
 def _port(board: Board) -> Port:

@@ -4,6 +4,7 @@ memory."""
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 from typing import NamedTuple
 
 
@@ -56,7 +57,17 @@ CHIPS = tuple(
         ("avr", 16_000_000, 256),
     )
 )
+_OF_PINS = {  # chips by the form of their pin names
+    "rp2040": re.compile(r"gpio\d+"),
+}
 LINUX = "klipper_host_mcu"  # the port of Klipper's process on a Linux computer
+
+
+def chips_of_pins(pins: Collection[str]) -> list[ChipOfKlipper]:
+    """The chip that alone has pins of these names. LPC1768 and LPC1769, whose names are the same,
+    have different clocks."""
+    names = [name for name, form in _OF_PINS.items() if pins and all(map(form.fullmatch, pins))]
+    return [chip for chip in CHIPS if chip.name in names]
 
 
 def chips_in(text: str) -> list[ChipOfKlipper]:

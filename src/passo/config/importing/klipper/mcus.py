@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 from passo.config.board_files import load_board
 from passo.config.importing.klipper.boards import boards_of_pins
-from passo.config.importing.klipper.chips import LINUX, ChipOfKlipper, chips_in
+from passo.config.importing.klipper.chips import LINUX, ChipOfKlipper, chips_in, chips_of_pins
 from passo.config.importing.klipper.pins import MAIN as MCU
 from passo.config.klippers_firmware import NAME
-from passo.config.pin_names import MAIN, placed
+from passo.config.pin_names import MAIN, bare, placed
 from passo.config.pin_names import section as board_path
 
 if TYPE_CHECKING:
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from passo.config.importing.klipper.conversion import Import
 
 _BAUD = 250_000
+_OF_MOTORS = ("step_pin", "direction_pin", "enable_pin")
 _CAN = "canbus_uuid"
 _NO_PORT = {  # what to do, by whether the board is on a CAN bus
     False: "Passo reaches a board over a serial port or TCP: set link and port by hand",
@@ -25,10 +26,9 @@ _NO_PORT = {  # what to do, by whether the board is on a CAN bus
     "port to the computer, and set link and port",
 }
 _UNKNOWN = (
-    "the file does not name the chip: clock_hz is 16 MHz until you set that of yours; with the "
-    "board's name in base it is known"
+    "the file does not name the chip: Passo reads its clock from the firmware when it connects; "
+    "estimates assume 16 MHz until clock_hz, or the board's name in base, is given"
 )
-
 
 _ON_BOARDS = (
     *("steppers", "heaters", "fans", "homing", "probe", "accelerometer"),
@@ -90,6 +90,7 @@ def _put_kind(job: Import, section: Section, board: str, base: str | None) -> No
     chips = chips_in(section.text("serial"))[:1]  # an identity of the port has one name
     if not chips and board == MAIN:
         chips = chips_in("\n".join(job.config.comments))
+    chips = chips or chips_of_pins(_pins_on(job, board))
     names = [base] if base else _fitting(job, board, chips)
     draft.put((*path, "base"), names[0] if names else NAME, place)
     if not names:
@@ -109,6 +110,16 @@ def _put_kind(job: Import, section: Section, board: str, base: str | None) -> No
         draft.put((*path, "clock_hz"), chips[0].clock_hz, section.at("serial"))
 
 
+def _pins_on(job: Import, board: str) -> set[str]:
+    """The pins of a board that the motors of the draft use."""
+    pins = [
+        placed(str(value))
+        for path, (value, _) in job.draft.keys.items()
+        if path[0] == "steppers" and path[-1] in _OF_MOTORS
+    ]
+    return {bare(pin) for on, pin in pins if on == board}
+
+
 def _fitting(job: Import, board: str, chips: list[ChipOfKlipper]) -> list[str]:
     """The boards with these pins: those with the clock of the chip, if there are any."""
     comments = "\n".join(job.config.comments)
@@ -121,8 +132,7 @@ def _put_chip(job: Import, section: Section, path: KeyPath, chips: list[ChipOfKl
     """Sets the clock and the move queue of a board without a file."""
     place = section.at("serial")
     if not chips:
-        job.draft.decide(section.place, f"[{section.name}]", _UNKNOWN)
-        job.draft.put((*path, "clock_hz"), 16_000_000, None)
+        job.draft.changed(section.place, f"[{section.name}]", _UNKNOWN)
         return
     chip = chips[0]
     job.draft.put((*path, "clock_hz"), chip.clock_hz, place)
