@@ -10,8 +10,8 @@ from tests.support.import_remarks import remarks
 from passo import config
 from passo.cli.main import main
 from passo.config.importing.formats import imported
+from passo.config.importing.marlin.conversion import TABLE
 from passo.config.importing.marlin.defines import Defines
-from passo.config.importing.marlin.reference import TAKEN
 from passo.errors import ConfigError
 
 BASE = """\
@@ -845,8 +845,12 @@ def test_every_define_of_the_reference_is_read(load, monkeypatch: pytest.MonkeyP
         ASSISTED_TRAMMING PROBE_MANUALLY INPUT_SHAPING_X USE_CONTROLLER_FAN
         BACKLASH_COMPENSATION
         MESH_BED_LEVELING SKEW_CORRECTION NOZZLE_PARK_FEATURE LIN_ADVANCE PSU_CONTROL FT_MOTION
-        FTM_IS_DEFAULT_MOTION STEALTHCHOP_XY Z_STEPPER_AUTO_ALIGN"""
+        FTM_IS_DEFAULT_MOTION STEALTHCHOP_XY Z_STEPPER_AUTO_ALIGN ADVANCED_PAUSE_FEATURE"""
     values = {
+        "Z_STEPPER_ALIGN_XY": "{ { 10, 10 }, { 150, 10 } }",
+        "NOZZLE_PARK_POINT": "{ 10, 10, 5 }",
+        "FTM_DEFAULT_SHAPER_Y": "ftMotionShaper_ZV",
+        "FTM_SHAPING_DEFAULT_FREQ_Y": 40,
         "SHAPING_FREQ_X": 40,
         "TRAMMING_POINT_XY": "{ { 50, 50 }, { 150, 50 } }",
         "CONTROLLER_FAN_PIN": 17,
@@ -863,7 +867,14 @@ def test_every_define_of_the_reference_is_read(load, monkeypatch: pytest.MonkeyP
     drivers = "X_DRIVER_TYPE TMC2209\n#define Z_DRIVER_TYPE TMC2209"
     load(("X_DRIVER_TYPE DRV8825", drivers), more=PROBE + more)
     laser = "#define LASER_FEATURE\n#define SPINDLE_LASER_PWM_PIN 4\n#define Z_MULTI_ENDSTOPS\n"
+    laser += "#define CUTTER_POWER_UNIT RPM\n#define MPC_INCLUDE_FAN\n"
+    model = ("HEATER_POWER", "BLOCK_HEAT_CAPACITY", "AMBIENT_XFER_COEFF", "SENSOR_RESPONSIVENESS")
+    laser += "".join(f"#define MPC_{name} 2\n" for name in model)
     load(("#define PIDTEMP\n", "#define MPCTEMP\n"), more=laser)
+    chamber = "#define TEMP_SENSOR_CHAMBER 1\n#define HEATER_CHAMBER_PIN 4\n"
+    chamber += "#define TEMP_CHAMBER_PIN 15\n#define CHAMBER_MINTEMP 5\n"
+    load(("TEMP_SENSOR_0 5", "TEMP_SENSOR_0 1000"), more=chamber + "#define CHAMBER_MAXTEMP 60\n")
+    load(("TEMP_SENSOR_0 5", "TEMP_SENSOR_0 -5"), more="#define TEMP_0_CS_PIN 53\n")
     servo = f"{PROBE}#define Z_PROBE_SERVO_NR 0\n"
     two = (("EXTRUDERS 1", "EXTRUDERS 2"), ("#define Z2_DRIVER_TYPE A4988\n", ""))
     load(*two, more=f"{servo}#define PIDTEMPBED\n", advanced="")
@@ -873,8 +884,9 @@ def test_every_define_of_the_reference_is_read(load, monkeypatch: pytest.MonkeyP
         "#define DELTA_HEIGHT 250\n#define PRINTABLE_RADIUS 90\n",
     )
     load(more=f"{ARMS}{MORGAN}{ANGLES}")
-    names = [name for row, _ in TAKEN for name in row.split(", ")]
-    patterns = {name: re.escape(name).replace(r"\*", r"\w+") for name in names}
+    rows = [row for group in TABLE.groups.values() if group.of for row in group.rows]
+    names = [name.partition("#")[0] for row in rows for name in row.option.split()]
+    patterns = {name: re.sub(r"\{\w+\}", r"\\w*", name) for name in names}
     missing = [n for n, p in patterns.items() if not any(re.fullmatch(p, one) for one in asked)]
     assert missing == []
 

@@ -78,24 +78,6 @@ class StoredHeights(NamedTuple):
     bicubic: bool
 
 
-class Other(NamedTuple):
-    """Why a part of a configuration has no key in the machine file: Passo has the feature without a
-    key, or does not have it (`lost`). `text` explains the consequence to the owner."""
-
-    lost: bool
-    text: str
-
-
-def built_in(text: str) -> Other:
-    """A feature that Passo has without a key."""
-    return Other(False, text)
-
-
-def lost(text: str) -> Other:
-    """A feature that Passo does not have."""
-    return Other(True, text)
-
-
 @dataclass
 class Draft:
     """The keys of the machine file in the order of writing, each with its value and the place of
@@ -121,10 +103,6 @@ class Draft:
         self.put(("uuid",), str(uuid.uuid5(_NAMES, str(path.resolve()))), None)
         self.put(("author",), "passo import", None)
         self.put(("description",), f"From {path.name}", None)
-
-    def other(self, place: Place, what: str, other: Other) -> None:
-        """Reports a part that has no key in the machine file."""
-        (self.dropped if other.lost else self.changed)(place, what, other.text)
 
     def simulate(self, until: str) -> None:
         """Makes all boards of the draft simulated, so that nothing moves or heats until the owner

@@ -29,6 +29,11 @@ def number_of(text: str) -> float:
     return value
 
 
+def plain(value: float) -> float:
+    """A number without the rounding error of its calculation."""
+    return float(f"{value:.10g}")
+
+
 class Read(NamedTuple):
     """A number that was read: the name of the option that has it, and its place."""
 

@@ -5,13 +5,10 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from passo.config.importing.table import Group, Row, Table, path_of
+from passo.config.importing.table import path_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from passo.config.importing.draft import Other
-    from passo.config.importing.table import Fate
+    from passo.config.importing.table import Fate, Group, Row, Table
 
 _TITLES = {
     "built-in": ("{}s that Passo needs no key for", "in Passo"),
@@ -20,14 +17,16 @@ _TITLES = {
 }
 
 
-def groups(table: Table, what: str) -> str:
-    """The options that become keys, with a table for each group."""
+def groups(table: Table, what: str, star: bool = False) -> str:
+    """The options that become keys, with a table for each group. Names in options are in capitals,
+    or a `*` each."""
+    column = what if star else "option"
     parts = [f"\n## {what.title()}s that become keys of the machine file\n"]
     for group in table.groups.values():
         if group.of:
             note = f"\n{group.note[0].upper()}{group.note[1:]}.\n" if group.note else ""
-            head = f"\n### {_escaped(group.of)}\n{note}\n| option | unit | key | note |\n"
-            rows = "".join(_row(group, row) for row in group.rows)
+            head = f"\n### {_escaped(group.of)}\n{note}\n| {column} | unit | key | note |\n"
+            rows = "".join(_row(group, row, star) for row in group.rows)
             parts.append(f"{head}|---|---|---|---|\n{rows}")
     return "".join(parts)
 
@@ -41,11 +40,16 @@ def notes(table: Table, group: str, what: str, fate: Fate) -> str:
     return f"\n## {title.format(what.title())}\n\n{head}{rows}"
 
 
-def _row(group: Group, row: Row) -> str:
+def _row(group: Group, row: Row, star: bool) -> str:
     key = ".".join(path_of(group.to, row.key, _Capitals())) if row.key else row.fate or ""
     usual = f"without it {row.default}" if row.default not in (None, "") else ""
     note = "; ".join(part for part in (row.note, usual) if part)
     option = ", ".join(_capitals(row.option).split(" "))
+    if star:
+        written = re.sub(r"#?\{\w+\}", _star, row.option)
+        option = ", ".join(dict.fromkeys(written.split(" ")))
+    if row.when:
+        note = f"with {row.when}" + (f"; {note}" if note else "")
     key = f"`{key}`" if row.key else f"*{key}*"
     return f"| {_escaped(option)} | {row.unit} | {key} | {note} |\n"
 
@@ -55,19 +59,13 @@ class _Capitals(dict[str, str]):
         return name.upper()
 
 
+def _star(found: re.Match[str]) -> str:
+    return "" if found[0].startswith("#") else "*"
+
+
 def _capitals(text: str) -> str:
     return re.sub(r"\{(\w+)\}", lambda found: found[1].upper(), text)
 
 
 def _escaped(text: str) -> str:
     return text.replace("*", r"\*")
-
-
-def tables_of_others(what: str, others: Mapping[str, Other]) -> str:
-    """The tables of the parts without a key: those that Passo has, and those that it does not."""
-    rows = [
-        Row(option=name, fate="dropped" if other.lost else "built-in", note=other.text)
-        for name, other in others.items()
-    ]
-    table = Table({"others": Group(rows=tuple(rows))})
-    return notes(table, "others", what, "built-in") + notes(table, "others", what, "dropped")

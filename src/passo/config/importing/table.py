@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Literal, Protocol
 from pydantic import BaseModel, ConfigDict
 
 from passo.config.importing.draft import Value
+from passo.config.importing.numbers import plain
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -42,8 +43,10 @@ Fate = Literal["changed", "decide", "dropped", "built-in"]
 class Row(BaseModel):
     """One option. `option` may have several names: the first one in the file counts. Without the
     option, the key gets `default`, or the value of the option `same_as`; `needed` says why there
-    must be one. A value that is `omit` gives no key. `by_code`: the module of the part reads the
-    option, and the row is for the reference page."""
+    must be one. A value that is `omit` gives no key, nor does a number that is not between `above`
+    and `below`. A row with `when` counts only if one of these options is on. An option that is on
+    `gives` another value. `by_code`: the module of the part reads the option, and the row is for
+    the reference page."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
     option: str
@@ -53,6 +56,10 @@ class Row(BaseModel):
     same_as: str = ""
     needed: str = ""
     omit: bool | int | float | str | None = None
+    above: float | None = None
+    below: float | None = None
+    when: str = ""
+    gives: bool | int | float | str | None = None
     by_code: bool = False
     fate: Fate | None = None
     note: str = ""
@@ -61,13 +68,15 @@ class Row(BaseModel):
 class Group(BaseModel):
     """The rows of one kind of part. `of` are its names in the other firmware, `to` is the table of
     the keys; a key that begins with a dot is a whole path. `{name}` in options and keys is filled
-    in by the importer. A group with `alone` needs no code: each part of its kind gets its rows."""
+    in by the importer. A group with `alone` needs no code: each part of its kind gets its rows.
+    A group with `when` counts only if one of these options is on."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
     of: str = ""
     to: str = ""
     note: str = ""
     alone: bool = False
+    when: str = ""
     rows: tuple[Row, ...] = ()
 
 
@@ -80,7 +89,7 @@ class Source(Protocol):
         ...
 
     def at(self, option: str) -> Place | None:
-        """The place of an option, or of its default."""
+        """The place of an option, or of its default. The option counts as read."""
         ...
 
     def what(self, option: str) -> str:
@@ -102,10 +111,10 @@ class Table:
         self, draft: Draft, group: str, source: Source, names: Mapping[str, str] | None = None
     ) -> None:
         """Sets the keys of a group, and reports what its rows say. Raises ConfigError."""
-        found = self.groups[group]
-        for row in found.rows:
-            if not row.by_code:
-                _put(draft, row, found.to, source, names or {})
+        found, names = self.groups[group], names or {}
+        for row in found.rows if _holds(found.when, source, names) else ():
+            if not row.by_code and _holds(row.when, source, names):
+                _put(draft, row, found.to, source, names)
 
     def notes(self, group: str) -> dict[str, Row]:
         """The rows of a group by option."""
@@ -122,10 +131,10 @@ def _put(draft: Draft, row: Row, to: str, source: Source, names: Mapping[str, st
     options = row.option.format_map(names).split()
     option, found = options[0], None
     for name in options:
-        found = source.value(name, row.unit if row.key else "text")
-        if found is not None:
+        if found is None and (found := source.value(name, row.unit if row.key else "text")):
             option = name
-            break
+        else:
+            source.at(name)
     if row.fate is not None and found is not None:
         report(draft, row, found[1], source.what(option))
     if not row.key:
@@ -139,16 +148,36 @@ def _put(draft: Draft, row: Row, to: str, source: Source, names: Mapping[str, st
         if row.needed:
             raise source.lacks(option, row.needed)
         return
-    value = converted(value, row.unit)
-    if value != row.omit or isinstance(value, bool) != isinstance(row.omit, bool):
+    if _counts(row, value):
+        gives = row.gives if found else None
+        value = converted(value, row.unit) if gives is None else gives
         draft.put(path_of(to, row.key, names), value, place)
+
+
+def _holds(when: str, source: Source, names: Mapping[str, str]) -> bool:
+    """Whether one of these options is on; True without one."""
+    found = [source.value(option, "flag") for option in when.format_map(names).split()]
+    return not when or any(one is not None and one[0] is True for one in found)
+
+
+def _counts(row: Row, value: Value) -> bool:
+    """Whether a value of the file gives a key."""
+    if row.gives is not None and value is False:
+        return False
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        if row.above is not None and value <= row.above:
+            return False
+        if row.below is not None and value >= row.below:
+            return False
+    value = converted(value, row.unit)
+    return value != row.omit or isinstance(value, bool) != isinstance(row.omit, bool)
 
 
 def converted(value: Value, unit: str) -> Value:
     """A value with its unit in the unit of the machine file."""
     if isinstance(value, int | float) and not isinstance(value, bool):
         if unit in FACTORS:
-            return float(f"{value * FACTORS[unit]:.10g}")
+            return plain(value * FACTORS[unit])
         if unit == INVERSE:
             return float(f"{1 / value:.6g}") if value else None or 0.0
     return value

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from passo.config.importing.draft import Place
+from passo.config.importing.draft import Place, Value
+from passo.config.importing.numbers import plain
+from passo.config.importing.table import FACTORS, table_of
 from passo.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -15,6 +18,8 @@ if TYPE_CHECKING:
     from passo.config.importing.marlin.boards import Pins
     from passo.config.importing.marlin.defines import Defines
     from passo.config.importing.numbers import Read
+
+TABLE = table_of(Path(__file__).with_name("table.toml"))
 
 
 @dataclass
@@ -35,7 +40,7 @@ class Job:
         """A number that every machine needs. Raises ConfigError if it is missing."""
         found = self.defines.number(*names)
         if found is None:
-            raise ConfigError.of("import.define", str(self.defines.files[0]), value=names[0])
+            raise self.lacks(names[0])
         return found
 
     def needed_list(self, *names: str) -> list[Read]:
@@ -43,8 +48,17 @@ class Job:
         missing."""
         found = self.defines.numbers(*names)
         if found is None or len(found) < 4:
-            raise ConfigError.of("import.define", str(self.defines.files[0]), value=names[0])
+            raise self.lacks(names[0])
         return found
+
+    def lacks(self, name: str) -> ConfigError:
+        """The error of a missing define."""
+        return ConfigError.of("import.define", str(self.defines.files[0]), value=name)
+
+    def rows(self, group: str, place: Place | None = None, **names: str) -> None:
+        """Sets the keys of a group of the table. `place` is that of the part. Raises
+        ConfigError."""
+        TABLE.put(self.draft, group, _Source(self, place), names)
 
     def put(self, path: KeyPath, found: Read | None, scale: float = 1.0) -> None:
         """Sets a key to a number that was read, times `scale`."""
@@ -77,6 +91,52 @@ class Job:
         self.draft.dropped(self.place(name), name, text)
 
 
-def plain(value: float) -> float:
-    """A number without the rounding error of its calculation."""
-    return float(f"{value:.10g}")
+class _Source:
+    """The defines as a source of rows. `NAME#1` is the second number of an array, or its last one.
+    A missing define is an error of the place, if there is one, else of the file."""
+
+    def __init__(self, job: Job, place: Place | None) -> None:
+        self._job, self._defines, self._place = job, job.defines, place
+
+    def value(self, option: str, unit: str) -> tuple[Value, Place] | None:
+        """The value of a define and its place; None without it. Raises ConfigError."""
+        name, _, index = option.partition("#")
+        value: Value | None
+        if self._defines.first(name) is None:
+            return None
+        match unit.partition(" ")[0]:
+            case "flag":
+                value = self._defines.on(name)
+            case "text":
+                value = self._defines.text(name)
+            case "pin":
+                value = self._job.pins.given(name)
+            case word:
+                found = self._defines.numbers(name) if index else [self._defines.number(name)]
+                read = found[min(int(index or 0), len(found) - 1)] if found else None
+                value = None if read is None else _number(read, word, unit)
+        return None if value is None else (value, self._defines.place(name))
+
+    def at(self, option: str) -> Place | None:
+        """The place of a define; None without it."""
+        name = option.partition("#")[0]
+        return self._defines.place(name) if self._defines.first(name) else None
+
+    def what(self, option: str) -> str:
+        """The name of a define in a report."""
+        return option.partition("#")[0]
+
+    def lacks(self, option: str, why: str) -> ConfigError:
+        """The error of a missing define."""
+        if self._place is None:
+            return self._job.lacks(self.what(option))
+        file, line = self._place.file, self._place.line
+        key = self.what(option)
+        return ConfigError.of("config.missing-key", file, line, key=key, limit=why)
+
+
+def _number(read: Read, word: str, unit: str) -> Value:
+    if word == "count":  # `count 1 to 256`
+        limits = [int(part) for part in unit.split() if part.isdigit()]
+        return read.whole(*limits)
+    return float(read.value) if unit in FACTORS else plain(read.value)

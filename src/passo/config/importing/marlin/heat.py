@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from passo.config.importing.draft import MOTORS_ALONE, bad
-from passo.config.importing.marlin.conversion import plain
+from passo.config.importing.draft import MOTORS_ALONE, NO_BUS, UNKNOWN_SENSOR, bad
+from passo.config.importing.numbers import plain
 from passo.config.sensor_names import values_of
-from passo.errors import ConfigError
 
 if TYPE_CHECKING:
     from passo.config.importing.draft import KeyPath
@@ -91,54 +90,36 @@ def _put_heater(job: Job, name: str, mark: str) -> None:
             limit = f"a pin: the board {job.pins.board.name} has none for this heater"
             raise bad(sensor.place, names[0], "missing", limit)
     _put_sensor(job, path, sensor, mark)
-    stems = (f"HEATER_{mark}", f"HOTEND_{mark}") if hotend else (mark,)
-    for key, word in (("min_c", "MINTEMP"), ("max_c", "MAXTEMP")):
-        found = defines.number(*(f"{stem}_{word}" for stem in stems))
-        if found is None:
-            place = sensor.place
-            raise ConfigError.of(
-                "config.missing-key",
-                place.file,
-                place.line,
-                key=f"{stems[0]}_{word}",
-                limit="a value, without which the heater is not safe",
-            )
-        job.put((*path, key), found)
-    power = {"BED": "MAX_BED_POWER", "CHAMBER": "MAX_CHAMBER_POWER"}.get(mark)
+    stem, older = (f"HEATER_{mark}", f"HOTEND_{mark}") if hotend else (mark, mark)
+    job.rows("heater", sensor.place, name=name, stem=stem, older=older)
     pid = defines.on("PIDTEMP" if hotend else f"PIDTEMP{mark}")
-    most = defines.number(power or ("PID_MAX" if pid else "BANG_MAX"))
+    usual = "PID_MAX" if pid else "BANG_MAX"
+    most = defines.number(usual if hotend else f"MAX_{mark}_POWER")
     if most is not None and 0 < most.value < _FULL:
         job.put((*path, "max_power"), most, 1 / _FULL)
-    _put_control(job, path, mark, pid)
-    _put_protection(job, path, mark)
-    _put_arrival(job, path, mark)
+    _put_control(job, name, mark, pid)
+    middle = "" if hotend else f"{mark}_"
+    protection = f"THERMAL_PROTECTION_{'HOTENDS' if hotend else mark}"
+    if defines.on(protection):
+        job.rows("protection", name=name, middle=middle)
+    else:
+        text = f"{protection} is off; Passo protects heater {name} all the same"
+        job.changed(f"TEMP_SENSOR_{mark}", text)
+    job.rows("arrival", name=name, middle=middle)
 
 
-def _put_control(job: Job, path: KeyPath, mark: str, pid: bool) -> None:
-    defines, put, control = job.defines, job.draft.put, (*path, "control")
-    hotend = mark.isdigit()
-    if hotend and defines.on("MPCTEMP"):
-        put((*control, "kind"), "model", job.place("MPCTEMP"))
-        _put_model(job, path, int(mark))
-        return
-    if pid:
-        put((*control, "kind"), "pid", job.place("PIDTEMP" if hotend else f"PIDTEMP{mark}"))
-        for gain in ("p", "i", "d"):
-            own = f"DEFAULT_{'' if hotend else mark.lower()}K{gain}"
-            gains = defines.numbers(f"{own}_LIST", own)
-            if gains:
-                at = min(int(mark), len(gains) - 1) if hotend else 0
-                job.put((*control, f"k{gain}"), gains[at])
-        for key, define in (("drive_min", "PID_DRIVE_MIN"), ("drive_max", "PID_DRIVE_MAX")):
-            limits = defines.numbers(define)
-            if limits:
-                at = min(int(mark), len(limits) - 1) if hotend else 0
-                job.put((*control, key), limits[at], 1 / _FULL)
-        return
-    place = defines.place(f"TEMP_SENSOR_{mark}")
-    put((*control, "kind"), "bang-bang", place)
-    job.put((*control, "hysteresis_c"), defines.number(f"{mark}_HYSTERESIS"))
-    job.put((*control, "interval_s"), defines.number(f"{mark}_CHECK_INTERVAL"), 1e-3)
+def _put_control(job: Job, name: str, mark: str, pid: bool) -> None:
+    hotend, path = mark.isdigit(), ("heaters", name, "control", "kind")
+    if hotend and job.defines.on("MPCTEMP"):
+        job.draft.put(path, "model", job.place("MPCTEMP"))
+        _put_model(job, ("heaters", name), int(mark))
+    elif pid:
+        job.draft.put(path, "pid", job.place("PIDTEMP" if hotend else f"PIDTEMP{mark}"))
+        heater = "" if hotend else mark.lower()
+        job.rows("pid", name=name, heater=heater, index=mark if hotend else "0")
+    else:
+        job.draft.put(path, "bang-bang", job.place(f"TEMP_SENSOR_{mark}"))
+        job.rows("bang_bang", name=name, mark=mark)
 
 
 def _put_model(job: Job, path: KeyPath, index: int) -> None:
@@ -168,37 +149,6 @@ def _put_model(job: Job, path: KeyPath, index: int) -> None:
     job.changed("MPCTEMP", "power, capacity and losses became the model of the heater")
 
 
-def _put_protection(job: Job, path: KeyPath, mark: str) -> None:
-    defines, keys = job.defines, (*path, "protection")
-    middle = "" if mark.isdigit() else f"{mark}_"
-    name = "THERMAL_PROTECTION_HOTENDS" if mark.isdigit() else f"THERMAL_PROTECTION_{mark}"
-    if not defines.on(name):
-        sensor = f"TEMP_SENSOR_{mark}"
-        job.changed(sensor, f"{name} is off; Passo protects heater {path[1]} all the same")
-        return
-    for key, define in (
-        ("watch_s", f"WATCH_{middle}TEMP_PERIOD"),
-        ("watch_rise_c", f"WATCH_{middle}TEMP_INCREASE"),
-        ("runaway_s", f"THERMAL_PROTECTION_{middle}PERIOD"),
-        ("runaway_c", f"THERMAL_PROTECTION_{middle}HYSTERESIS"),
-    ):
-        found = defines.number(define)
-        if found is not None and found.value > 0:
-            job.put((*keys, key), found)
-
-
-def _put_arrival(job: Job, path: KeyPath, mark: str) -> None:
-    middle = "" if mark.isdigit() else f"{mark}_"
-    for key, word in (
-        ("window_c", "WINDOW"),
-        ("leaves_c", "HYSTERESIS"),
-        ("seconds", "RESIDENCY_TIME"),
-    ):
-        found = job.defines.number(f"TEMP_{middle}{word}")
-        if found is not None and (found.value > 0 or key == "seconds"):
-            job.put((*path, "arrival", key), found)
-
-
 def _put_sensor(job: Job, path: KeyPath, sensor: Read, mark: str) -> None:
     number, put = sensor.whole(-1000, 10_000), job.draft.put
     if number in _DUMMIES:
@@ -208,48 +158,43 @@ def _put_sensor(job: Job, path: KeyPath, sensor: Read, mark: str) -> None:
     if number in converters:
         _put_converter(job, path, sensor, converters[number], mark)
         return
-    keys: dict[str, Any] | None
     if job.mk4duo:
-        keys = _of_mk4duo(job, number)
+        done = _put_of_mk4duo(job, path, sensor, number)
     elif number == _CUSTOM:
-        keys = _custom(job, mark)
-    else:
-        if values_of(f"Marlin {number}") is not None:
-            put((*path, "sensor"), f"Marlin {number}", sensor.place)
-            return
-        keys = None
-    if keys is None:
-        limit = "a sensor that Passo has; docs/reference/sensors.md lists them"
-        raise bad(sensor.place, sensor.name, str(number), limit)
-    for key, value in keys.items():
-        put((*path, "sensor", key), value, sensor.place)
+        done = _put_custom(job, path, sensor, mark)
+    elif done := values_of(f"Marlin {number}") is not None:
+        put((*path, "sensor"), f"Marlin {number}", sensor.place)
+    if not done:
+        raise bad(sensor.place, sensor.name, str(number), UNKNOWN_SENSOR)
 
 
-def _of_mk4duo(job: Job, number: int) -> dict[str, Any] | None:
-    pullup = job.defines.number("THERMISTOR_SERIES_RS")
-    more = {"pullup_ohm": pullup.value} if pullup else {}
+def _put_of_mk4duo(job: Job, path: KeyPath, sensor: Read, number: int) -> bool:
+    """Converts a sensor by its number or its own values. False for an unknown one."""
+    known, keys = _MK4DUO.get(number), (*path, "sensor")
     own = [job.defines.number(f"T{number}_{word}") for word in ("R25", "BETA")]
     r25, beta = (one.value if one else None for one in own)
-    if r25 is None or beta is None:
-        found = _MK4DUO.get(number)
-        if isinstance(found, str):
-            return {"kind": found}
-        if found is None:
-            return None
-        r25, beta = found
-    return {"kind": "thermistor", "r25_ohm": float(r25), "beta_k": float(beta)} | more
+    if r25 is not None and beta is not None:
+        known = r25, beta
+    pullup = job.defines.number("THERMISTOR_SERIES_RS")
+    kind = known if isinstance(known, str) else "thermistor"
+    job.draft.put((*keys, "kind"), kind, sensor.place)
+    if isinstance(known, tuple):
+        values = zip(
+            ("r25_ohm", "beta_k", "pullup_ohm"), (*known, pullup and pullup.value), strict=False
+        )
+        for key, value in values:
+            job.draft.put((*keys, key), None if value is None else float(value), sensor.place)
+    return known is not None
 
 
-def _custom(job: Job, mark: str) -> dict[str, Any] | None:
-    """Marlin's 1000, whose equation is that of Passo: 1/T = A + ln R / β + C·(ln R)³."""
-    stem = f"HOTEND{mark}" if mark.isdigit() else mark
-    words = ("PULLUP_RESISTOR_OHMS", "RESISTANCE_25C_OHMS", "BETA", "SH_C_COEFF")
-    found = [job.defines.number(f"{stem}_{word}") for word in words]
-    keys = ("pullup_ohm", "r25_ohm", "beta_k", "c_per_k")
-    values = {key: float(one.value) for key, one in zip(keys, found, strict=True) if one}
-    if not {"r25_ohm", "beta_k"} <= values.keys():
-        return None
-    return {"kind": "thermistor", **values}
+def _put_custom(job: Job, path: KeyPath, sensor: Read, mark: str) -> bool:
+    """Converts Marlin's 1000, whose equation is that of Passo: 1/T = A + ln R / β + C·(ln R)³.
+    False if it lacks a value."""
+    keys = (*path, "sensor")
+    job.draft.put((*keys, "kind"), "thermistor", sensor.place)
+    own = f"HOTEND{mark}" if mark.isdigit() else mark
+    job.rows("custom_sensor", name=path[-1], own=own)
+    return all((*keys, key) in job.draft.keys for key in ("r25_ohm", "beta_k"))
 
 
 def _put_converter(job: Job, path: KeyPath, sensor: Read, kind: str, mark: str) -> None:
@@ -263,8 +208,7 @@ def _put_converter(job: Job, path: KeyPath, sensor: Read, kind: str, mark: str) 
     ):
         pin = job.pins.given(f"TEMP_{mark}_{word}_PIN", f"MAX31865_{word}_PIN") or card.get(own)
         if pin is None:
-            limit = "three pins for the converter's bus: Passo does not use the chip's SPI unit"
-            raise bad(sensor.place, f"TEMP_{mark}_{word}_PIN", "missing", limit)
+            raise bad(sensor.place, f"TEMP_{mark}_{word}_PIN", "missing", NO_BUS)
         put((*path, "sensor", key), pin, sensor.place)
     select = job.pins.given(f"TEMP_{mark}_CS_PIN", f"MAX6675_SS{mark}_PIN")
     if select is None and "MAX6675_SELECT" in job.pins.board.pins and mark == "0":
@@ -275,45 +219,24 @@ def _put_converter(job: Job, path: KeyPath, sensor: Read, kind: str, mark: str) 
         )
     put((*path, "sensor_pin"), select, sensor.place)
     if kind == "max31865":
-        ohms = job.defines.number(f"MAX31865_SENSOR_OHMS_{mark}")
-        if ohms is not None:
-            put((*path, "sensor", "r0_ohm"), ohms.whole(100, 1000), ohms.place)
-        job.put(
-            (*path, "sensor", "reference_ohm"),
-            job.defines.number(f"MAX31865_CALIBRATION_OHMS_{mark}"),
-        )
+        job.rows("max31865", name=path[-1], mark=mark)
 
 
 def _put_part_fan(job: Job) -> None:
-    defines, put = job.defines, job.draft.put
-    pin = job.pins.given("FAN_PIN", "FAN0_PIN")
-    if pin is not None or "fan0" in job.pins.functions:
-        path = ("fans", "part")
+    pin, board = job.pins.given("FAN_PIN", "FAN0_PIN"), job.pins.functions.get("fan0")
+    if pin is not None or board is not None:
         place = job.place("FAN_PIN", "FAN0_PIN") if pin else None
-        put((*path, "pin"), pin or job.pins.functions["fan0"].output, place)
-        low = defines.number("FAN_MIN_PWM")
-        if low is not None and low.value > 0:
-            job.draft.put((*path, "min_power"), round(low.value / _FULL, 4), low.place)
-        high = defines.number("FAN_MAX_PWM")
-        if high is not None and 0 < high.value < _FULL:
-            job.put((*path, "max_power"), high, 1 / _FULL)
-        kick = defines.number("FAN_KICKSTART_TIME")
-        if kick is not None and kick.value > 0:
-            job.put((*path, "kick_start_s"), kick, 1e-3)
+        job.draft.put(("fans", "part", "pin"), pin or (board and board.output), place)
+        job.rows("part_fan")
 
 
 def _put_hotend_fan(job: Job, number: int) -> None:
-    defines, put, hotend = job.defines, job.draft.put, job.hotends[number]
-    pin = job.pins.given(f"E{number}_AUTO_FAN_PIN")
-    if pin is None:
-        return
-    path = ("fans", f"{hotend}_fan")
-    put((*path, "pin"), pin, job.place(f"E{number}_AUTO_FAN_PIN"))
-    put((*path, "follows"), hotend, None)
-    job.put((*path, "above_c"), defines.number("EXTRUDER_AUTO_FAN_TEMPERATURE"))
-    speed = defines.number("EXTRUDER_AUTO_FAN_SPEED")
-    if speed is not None and speed.value < _FULL:
-        job.put((*path, "max_power"), speed, 1 / _FULL)
+    hotend, define = job.hotends[number], f"E{number}_AUTO_FAN_PIN"
+    pin, name = job.pins.given(define), f"{hotend}_fan"
+    if pin is not None:
+        job.draft.put(("fans", name, "pin"), pin, job.place(define))
+        job.draft.put(("fans", name, "follows"), hotend, None)
+        job.rows("hotend_fan", name=name)
 
 
 def _put_controller_fan(job: Job) -> None:
@@ -328,10 +251,7 @@ def _put_controller_fan(job: Job) -> None:
     job.changed(name, MOTORS_ALONE)
     motors = [key[1] for key in job.draft.keys if key[0] == "steppers" and key[2] == "steps_per_mm"]
     job.draft.put((*path, "follows_motors"), [*motors], defines.place(name))
-    stays = defines.number(
-        "CONTROLLERFAN_IDLE_TIME", "CONTROLLERFAN_SECS", "DURATION_CONTROLLERFAN"
-    )
-    job.put((*path, "stays_on_s"), stays)
+    job.rows("board_fan")
 
 
 def _put_tools(job: Job) -> None:

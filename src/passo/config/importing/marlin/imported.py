@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING
 from passo.config.importing.draft import Draft
 from passo.config.importing.marlin.bed import put_bed, put_levelling, put_probe
 from passo.config.importing.marlin.boards import Pins, known_board
-from passo.config.importing.marlin.conversion import Job
+from passo.config.importing.marlin.conversion import TABLE, Job
 from passo.config.importing.marlin.defines import read
 from passo.config.importing.marlin.features import put_board, put_features
 from passo.config.importing.marlin.heat import count_extruders, put_heat
 from passo.config.importing.marlin.motion import put_motion
 from passo.config.importing.marlin.motors import MOTORS
-from passo.config.importing.marlin.others import OTHERS, is_silent
+from passo.config.importing.marlin.others import is_silent
 from passo.config.importing.marlin.stored import put_stored
 from passo.config.importing.sources import Sources
+from passo.config.importing.table import report
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -71,15 +72,16 @@ def _remark_on_the_rest(job: Job) -> None:
     """Reports the options that nothing has read: those that are known by their names one by one,
     all others together."""
     defines, draft = job.defines, job.draft
-    for name, other in OTHERS.items():
-        found = defines.found.get(name)
-        if found is not None and found[0] not in _OFF and name not in defines.used:
-            draft.other(found[1], name, other)
+    others = TABLE.notes("options")
+    for name, row in others.items():
+        text, place = defines.found.get(name, ("0", None))
+        if place is not None and text not in _OFF and name not in defines.used:
+            report(draft, row, place, name)
     rest = [
         name
         for name, (text, _) in defines.found.items()
         if name not in defines.used
-        and name not in OTHERS
+        and name not in others
         and not is_silent(name)
         and text not in _OFF
     ]

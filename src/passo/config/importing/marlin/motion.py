@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 from passo.config.importing.draft import bad
 from passo.config.importing.marlin.arms import put_arms, put_end_limits
-from passo.config.importing.marlin.conversion import plain
 from passo.config.importing.marlin.drivers import put_driver
 from passo.config.importing.marlin.homing import put_homing
 from passo.config.importing.marlin.motors import MOTORS, put_motor, put_socket
+from passo.config.importing.numbers import plain
 from passo.errors import ConfigError
 from passo.geometry.delta import ANGLES
 

@@ -1,63 +1,9 @@
-"""Options of Marlin without a key in a machine file, and how Passo handles them."""
+"""Defines that do not concern the machine itself: menus, texts, buffers, Marlin's own workings."""
 
 from __future__ import annotations
 
 import re
 
-from passo.config.importing.draft import Other, built_in, lost
-
-_NO_RISE = "before X and Y home, the nozzle rises to probe.start_mm; without a probe it does not"
-OTHERS: dict[str, Other] = {
-    "SDSUPPORT": built_in("passo serve --sd DIR has the files"),
-    "ARC_SUPPORT": built_in("arcs are always there, and are exact"),
-    "BABYSTEPPING": built_in("M290 is always there"),
-    "EMERGENCY_PARSER": built_in("M108, M112 and M410 always act at once"),
-    "HOST_ACTION_COMMANDS": built_in("action commands are always there"),
-    "POWER_LOSS_RECOVERY": built_in("each print has a journal: resume after a power cut"),
-    "CANCEL_OBJECTS": built_in("M486 is always there"),
-    "GCODE_MACROS": built_in("write macros in the machine file"),
-    "Z_HOMING_HEIGHT": lost(_NO_RISE),
-    "Z_CLEARANCE_FOR_HOMING": lost(_NO_RISE),
-    "S_CURVE_ACCELERATION": lost(
-        "jerk_mm_s3 in [limits] makes S-curves; shapers leave less ringing"
-    ),
-    "FILAMENT_RUNOUT_SENSOR": lost("a print does not pause when the filament ends"),
-    "FILAMENT_WIDTH_SENSOR": lost("the width of the filament is not measured"),
-    "CASE_LIGHT_ENABLE": lost("the light stays off"),
-    "NEOPIXEL_LED": lost("the light stays off"),
-    "RGB_LED": lost("the light stays off"),
-    "RGBW_LED": lost("the light stays off"),
-    "BLINKM": lost("the light stays off"),
-    "PCA9632": lost("the light stays off"),
-    "DUAL_X_CARRIAGE": lost("the second carriage does not move"),
-    "MIXING_EXTRUDER": lost("filaments are not mixed: each extruder is a tool"),
-    "SWITCHING_EXTRUDER": lost("the servo of the extruder does not turn"),
-    "SWITCHING_NOZZLE": lost("the servo of the nozzle does not turn"),
-    "SWITCHING_TOOLHEAD": lost("tools are not fetched: write macros T0, T1"),
-    "PARKING_EXTRUDER": lost("tools are not parked: write macros T0, T1"),
-    "MAGNETIC_PARKING_EXTRUDER": lost("tools are not parked: write macros T0, T1"),
-    "PRUSA_MMU2": lost("the unit for several materials is not used"),
-    "MMU_MODEL": lost("the unit for several materials is not used"),
-    "NOZZLE_CLEAN_FEATURE": lost("write G12 as a macro"),
-    "PHOTO_GCODE": lost("no camera is released"),
-    "COOLANT_CONTROL": lost("the coolant is not switched"),
-    "AIR_ASSIST": lost("the air is not switched"),
-    "TEMP_SENSOR_PROBE": lost("the temperature of the probe is not shown"),
-    "TEMP_SENSOR_BOARD": lost("the temperature of the board is not shown"),
-    "TEMP_SENSOR_COOLER": lost("the cooler is not controlled"),
-    "TEMP_SENSOR_REDUNDANT": lost("the second sensor of the hotend is not read"),
-    "AUTOTEMP": lost("the target does not follow the speed of the filament"),
-    "EXTRUDER_RUNOUT_PREVENT": lost("a hot nozzle extrudes nothing by itself"),
-    "PID_EXTRUSION_SCALING": lost("the power does not follow the speed of the filament"),
-    "VOLUMETRIC_EXTRUSION": lost("M200 sets it"),
-    "JOYSTICK": lost("the joystick is not read"),
-    "I2C_POSITION_ENCODERS": lost("encoders are not read"),
-    "CUSTOM_USER_BUTTONS": lost("the buttons do nothing"),
-    "DIGIPOT_MOTOR_CURRENT": lost("the currents of the motors stay as the board sets them"),
-    "DIGIPOT_I2C_MOTOR_CURRENTS": lost("the currents of the motors stay as the board sets them"),
-    "PWM_MOTOR_CURRENT": lost("the currents of the motors stay as the board sets them"),
-}
-# What does not concern the machine: menus, texts, buffers, Marlin's own workings, limits of menus.
 _SILENT = re.compile(
     r"LCD|_LCD|DISPLAY|U8G|MENU|TFT|DWIN|DGUS|TOUCH_|ENCODER|BEEP|SPEAKER|LANGUAGE|GLCD|EXTUI"
     r"|STATUS_|BOOT|LOGO|FONT|PREHEAT_|EEPROM|SERIAL|BAUD|BUFFER|BUFSIZE|BLOCK_|TX_|RX_|MEATPACK"

@@ -7,9 +7,8 @@ import re
 from typing import TYPE_CHECKING
 
 from passo.config.importing.draft import Place, bad
-from passo.config.importing.marlin.conversion import plain
 from passo.config.importing.marlin.stored_delta import put_delta, put_trims
-from passo.config.importing.numbers import NUMBER, Read, number_of
+from passo.config.importing.numbers import NUMBER, Read, number_of, plain
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from passo.config.importing.draft import bad
-from passo.config.importing.marlin.conversion import plain
+from passo.config.importing.numbers import plain
 from passo.geometry.delta import ANGLES, rise_mm
 
 if TYPE_CHECKING:
