@@ -1,6 +1,7 @@
-// Pressure advance of one extruder: e + g, where g is y = advance * e' convolved with a triangle of
-// half width h, so g'' = (y(t + h) - 2 y(t) + y(t - h)) / h^2. Only the added part is smoothed:
-// e itself is not moved in time. Between breakpoints the law is a cubic.
+// Pressure advance of one extruder. Its position is e + g, where e is the planned filament and g is
+// y = advance * e' convolved with a triangle of half width h, so g'' = (y(t + h) - 2 y(t) + y(t -
+// h)) / h^2. Only g is smoothed: e is not shifted in time. Between breakpoints the position is a
+// cubic.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -11,7 +12,7 @@ namespace passo {
 
 class Advance {
  public:
-  // e follows the plan `delay` ticks later, h <= delay.
+  // e follows the plan `delay` ticks later; h must be at most `delay`.
   Advance(Phases* phases, double half_ticks, double delay)
       : phases_(phases), h_(half_ticks), per_hh_(1 / (half_ticks * half_ticks)),
         delay_{delay - half_ticks, delay, delay + half_ticks} {}
@@ -30,12 +31,13 @@ class Advance {
     count_ = std::floor(q_ + g_ + 0.5);
     left_ = kResum;
   }
-  double earliest() const { return delay_[0]; }  // as Taps::earliest
+  double earliest() const { return delay_[0]; }  // see Taps::earliest
   double t() const { return t_; }
   double q() const { return q_ + g_; }
 
-  // Passes on each interval in which there may be a step, as a cubic on 0..1 from the last count:
-  // sink.counted(begin clock, ticks, c0, c1, c2, end, net steps). `last`: see Taps.
+  // Calls sink.counted(start clock, ticks, c0, c1, c2, end, net steps) for each interval that may
+  // contain a step. The interval is a cubic on 0..1, relative to the last step count. `last`: see
+  // Taps.
   template <class Sink>
   void advance(double limit, bool last, Sink& sink) {
     const Phases& p = *phases_;
@@ -61,7 +63,7 @@ class Advance {
       filament();
       if (acts(k_[0])) last_ = k_[0] + 1;
       if (k_[2] >= last_) {
-        g_ = g1_ = g2_ = g3_ = 0;  // nothing is advanced within the whole width
+        g_ = g1_ = g2_ = g3_ = 0;  // no advance within the width of the triangle
         left_ = kResum;
       } else if (--left_ == 0) {
         sum();
@@ -85,20 +87,21 @@ class Advance {
   static constexpr int kResum = 64;
   Phases* phases_;
   double h_, per_hh_, delay_[3];
-  size_t k_[3] = {0, 0, 0};  // current phase at t + h, t and t - h of the delayed plan
-  size_t last_ = 0;          // one more than the last phase so far in which something is advanced
-  double t_ = 0, q_ = 0, v_ = 0, a_ = 0;     // of e
+  size_t k_[3] = {0, 0, 0};                  // phase at t + h, t and t - h of the delayed plan
+  size_t last_ = 0;                          // index after the last phase that has an advance
+  double t_ = 0, q_ = 0, v_ = 0, a_ = 0;     // position, speed and acceleration of e
   double g_ = 0, g1_ = 0, g2_ = 0, g3_ = 0;  // g and its derivatives
   double count_ = 0;
   int left_ = kResum;
-  // The interval that ends at t_: its length, and its cubic from the count on.
+  // The interval that ends at t_: its length, and the coefficients of its cubic, relative to the
+  // count.
   double d_ = 0, c0_ = 0, c1_ = 0, c2_ = 0;
 
   bool acts(size_t k) const {
     const Phases::Advanced& advanced = phases_->advanced[k];
     return advanced.y != 0 || advanced.slope != 0;
   }
-  // e at t_, from its own phase.
+  // Calculates e at t_ from its current phase.
   void filament() {
     const Phases& p = *phases_;
     const size_t k = k_[1];
@@ -121,20 +124,20 @@ class Advance {
   template <class Sink>
   void settle(Sink& sink) {
     const double end = (q_ - count_) + g_, n = std::floor(end + 0.5);
-    // If the four Bezier values are within one step, the interval has no step.
+    // If the four Bezier values are less than half a step from the count, the interval has no step.
     const double b1 = c0_ + c1_ * (1.0 / 3), b2 = c0_ + (2 * c1_ + c2_) * (1.0 / 3);
     if ((n == 0) & (b1 < 0.5) & (b2 < 0.5) & (b1 > -0.5) & (b2 > -0.5)) return;
     sink.counted(t_ - d_, d_, c0_, c1_, c2_, end, n);
     count_ += n;
   }
-  // g and its derivatives, summed again from the phases of the whole width.
+  // Calculates g and its derivatives again, from all phases within the width of the triangle.
   void sum() {
     const Phases& p = *phases_;
     const double from = t_ - delay_[2];
     double once = 0, twice = 0, once_middle = 0, twice_middle = 0;  // integrals of y from t - h on
     double y[3] = {0, 0, 0}, slope[3] = {0, 0, 0}, at = from;
     for (size_t k = k_[2];; ++k) {
-      // Continues up to the middle, the end, or the next phase.
+      // Integrates up to the middle, the end, or the next phase.
       const double y0 = p.advanced[k].y + p.advanced[k].slope * (acts(k) ? at - p.t[k] : 0);
       const double b = p.advanced[k].slope;
       auto go = [&](double begin, double to, double begin_y) {

@@ -1,5 +1,5 @@
-// Backlash compensation of one motor: its drive has a gap, so after a turn the motor moves further
-// by the gap before the carriage follows.
+// Backlash compensation of one motor. Its drive has a gap: after a turn the motor must move by the
+// gap before the carriage follows.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -8,14 +8,16 @@
 
 namespace passo {
 
-// The motor's position is q + lead, with q from its filtered law. The lead is 0 after enough motion
+// The motor's position is q + lead, where q is its filtered law. The lead is 0 after enough motion
 // in negative direction, and the gap after enough motion in positive direction. After a turn it
-// changes in proportion to the distance, within `over` steps. So a quadratic stays a quadratic,
-// with one more breakpoint, and a motor that turns again before `over` takes back what it has
-// added. The gap is a whole number of steps: at rest a complete lead changes no rounding.
+// changes in proportion to the distance, and is complete after `over` steps. So a quadratic stays a
+// quadratic, with one more breakpoint. A motor that turns again before `over` takes back what it
+// has added. The gap is a whole number of steps, so that a complete lead does not change how
+// positions are rounded.
 class Backlash {
  public:
-  // In steps of the motor. At a change the motor keeps its part of the gap. Only at rest.
+  // Sets gap and distance, in steps of the motor. The lead keeps its fraction of the gap. Call this
+  // only at standstill.
   void set(double gap, double over) {
     gap = std::floor(gap + 0.5);
     if (gap == gap_ && over == over_) return;
@@ -25,12 +27,12 @@ class Backlash {
   }
   bool on() const { return gap_ > 0; }
   double lead() const { return lead_; }
-  // The drive rests against the side that motion in this direction leaves. Only at rest.
+  // The drive rests as after motion in this direction. Call this only at standstill.
   void lean(int dir) { rest_with(lead_after(dir)); }
   void rest_with(double lead) { lead_ = lead; }
   double lead_after(int dir) const { return dir > 0 ? gap_ : 0; }
 
-  // Motion begins at clock t and position q; unfiltered motion may have come before.
+  // Motion starts at clock t and position q. There may have been motion without filters before.
   void begin(double t, double q) {
     t_ = t, q_ = q;
     turn(0);
@@ -39,23 +41,23 @@ class Backlash {
   void rest() {
     if (dir_ != 0) turn(0);
   }
-  // Motion continues at clock t, from position q, on the law of `of`, which may be this one.
+  // Motion continues at clock t and position q, as the law `of` has it there. `of` may be this law.
   void resume(double t, double q, const Backlash& of) {
     lead_ = of.lead_at(t, q);
     cut(t, of);
     begin(t, q);
   }
-  // Like resume, at standstill.
+  // The same as resume(), at standstill.
   void stand(double t, const Backlash& of) {
     lead_ = of.t_ <= t ? of.lead_ : of.before(t).lead;
     cut(t, of);
   }
-  // Motion is not continued at a clock before `past` any more.
+  // Later calls of resume() have clocks from `past` on.
   void forget(double past) {
     while (turns_.size() > 1 && turns_[1].at <= past) turns_.pop_front();
   }
 
-  // Passes on an interval of the law, in parts; the sink is that of Taps.
+  // Passes on an interval of the law, in parts. The sink is the one of Taps.
   template <class Sink>
   void pass(double t, double q, double v0, double v1, double a, Sink& sink) {
     if (v0 * v1 < 0) {
@@ -65,11 +67,11 @@ class Backlash {
     }
     leg(t, q, v0, v1, a, sink);
   }
-  // The same for a cubic with these derivatives at its start; the sink is that of SmoothLaw.
+  // Passes on a cubic with these derivatives at its start. The sink is the one of SmoothLaw.
   template <class Sink>
   void pass_cubic(double t, double d, double q, double v, double a, double j, double end,
                   double end_speed, Sink& sink) {
-    // Its turns, two at most.
+    // The cubic turns at most twice.
     double turns[2] = {d, d};
     int n = 0;
     const double disc = a * a - 2 * j * v;
@@ -101,7 +103,7 @@ class Backlash {
     void add(double t, double q, double v0, double v1, double a) {
       backlash.pass(t, q, v0, v1, a, sink);
     }
-    // Motors of an extruder, and those that follow the nozzle, keep the lead that they have.
+    // Extruders, and motors that follow the nozzle, keep their lead.
     template <class... Parts>
     void bent(const Parts&... parts) {
       sink.bent(parts...);
@@ -119,25 +121,25 @@ class Backlash {
  private:
   struct Turn {
     double at, q, lead;
-    int dir;  // direction of the motion that begins here; 0: none
+    int dir;  // direction of the motion that starts here; 0: standstill
   };
-  double gap_ = 0, over_ = 0, per_ = 0;  // per_: steps of lead for each step of the law
-  double t_ = 0, q_ = 0, lead_ = 0;      // clock, position and lead at the end of the last interval
+  double gap_ = 0, over_ = 0, per_ = 0;  // per_: change of the lead for each step of the law
+  double t_ = 0, q_ = 0, lead_ = 0;      // end of the last interval: clock, position, lead
   int dir_ = 0;
-  std::deque<Turn> turns_;  // motion between two of them has one direction
+  std::deque<Turn> turns_;  // between two of them the direction is the same
 
   struct Cubic {
     double t, d, q, v, a, j, end, end_speed;
 
     double way(double u) const { return u * (v + u * (0.5 * a + u * (j * (1.0 / 6)))); }
     double speed(double u) const { return v + u * (a + 0.5 * u * j); }
-    // Cuts off the part up to u ticks after the begin.
+    // Cuts off the first u ticks and returns them.
     Cubic take(double u) {
       const Cubic first{t, u, q, v, a, j, q + way(u), speed(u)};
       *this = {t + u, d - u, first.end, first.end_speed, a + j * u, j, end, end_speed};
       return first;
     }
-    // The lead after this distance in one direction.
+    // Ticks after which the cubic has moved by this distance in direction `dir`.
     double after(double distance, int dir) const {
       double low = 0, high = d;
       for (int i = 0; i < 60; ++i) {
@@ -156,7 +158,7 @@ class Backlash {
     for (auto turn = turns_.rbegin(); turn != turns_.rend(); ++turn)
       if (turn->at <= t) return *turn;
     if (turns_.empty()) return {t, q_, lead_, 0};
-    return {t, turns_.front().q, turns_.front().lead, 0};  // at rest until then
+    return {t, turns_.front().q, turns_.front().lead, 0};  // standstill before the first turn
   }
   double lead_at(double t, double q) const {
     const Turn turn = before(t);
@@ -168,7 +170,7 @@ class Backlash {
     if (&of != this) turns_.clear();
     while (!turns_.empty() && turns_.back().at > t) turns_.pop_back();
   }
-  // Passes on parts, in each of which the motor moves in one direction.
+  // Passes on a part in which the motor moves in one direction.
   template <class Sink>
   void leg(Cubic c, Sink& sink) {
     const int dir = c.end > c.q ? 1 : c.end < c.q ? -1 : 0;

@@ -11,7 +11,7 @@ namespace passo {
 
 namespace {
 
-// X and Y of the speed at cruise, mm/s.
+// X and Y of the cruise speed, mm/s.
 std::array<double, 2> cruise(const Move* m) {
   if (!m || m->kind == MoveKind::dwell) return {0, 0};
   const double per = m->vc / m->d;
@@ -63,7 +63,7 @@ const StepperSpec* FastestCorner::own_motor(int axis) const {
   return nullptr;
 }
 
-// Filters change only at rest.
+// Filters change only at standstill, so the gaps are set here.
 void FastestCorner::begin(const Move& m, const std::function<int64_t(size_t)>& lead) {
   recent_.clear();
   for (int j = 0; j < 2; ++j) {
@@ -85,7 +85,7 @@ void FastestCorner::forget(double before) {
       Backlash& gap = gaps_[size_t(j)];
       if (!gap.on() || m.kind == MoveKind::dwell) continue;
       const double steps = own_motor(j)->steps_per_unit, way = m.p1[j] - m.p0[j];
-      const double speed = way > 0 ? 1 : way < 0 ? -1 : 0;  // the lead depends on the way alone
+      const double speed = way > 0 ? 1 : way < 0 ? -1 : 0;  // the lead depends on the distance only
       Nothing nothing;
       gap.pass(m.end(), m.p1[j] * steps, speed, speed, 0, nothing);
       gap.forget(m.end());
@@ -151,7 +151,8 @@ std::vector<FastestCorner::Part> FastestCorner::law(int slot, bool filtered) con
     laws.add(m, kNeverTicks);
   }
   if (!going) laws.begin(c.moves.front());
-  const bool rests = c.rests || open_;  // open_: the print has ended
+  const bool rests =
+      c.rests || open_;  // open_: the print ended before the corner's moves were complete
   if (rests) laws.stand();
   SmoothLaw plain, full;
   for (size_t i = 0; i < laws.all().size(); ++i) {

@@ -8,13 +8,13 @@ namespace passo {
 
 namespace {
 
-// How far the calculated law may be from the exact one: by what the motor does in this time, or,
-// where it turns, by less than any pulse shows.
+// Maximum error of the calculated law: the distance that the motor moves in kNearSeconds. Near a
+// turn it is kNearSteps, which no pulse shows.
 constexpr double kNearSeconds = 1e-10, kNearSteps = 1e-8;
-constexpr double kMostOdd = 0.0481126;  // of x (x - 1/2) (x - 1): sqrt(3) / 36
+constexpr double kMostOdd = 0.0481126;  // maximum of x (x - 1/2) (x - 1): sqrt(3) / 36
 
-// From units of the actuator to steps, and from its polynomial of degree four to a quadratic with
-// bends. error: at most 0 of the converter near enough.
+// Converts the actuator's units to steps, and its polynomial of degree four to a quadratic with
+// bends. `error` becomes at most 0 where the result is exact enough.
 PASSO_SIMD void fit_quadratics(int n, double per_unit, double near_ticks,
                                const double* __restrict t, const double* __restrict middle,
                                double* __restrict q, double* __restrict v0, double* __restrict v1,
@@ -35,7 +35,8 @@ PASSO_SIMD void fit_quadratics(int n, double per_unit, double near_ticks,
     a[i] = change * per_tick;
     odd[i] = slow > 0 ? third : 0.0;
     even[i] = slow > 0 ? fourth : 0.0;
-    // What a step of Newton's method leaves, or all of it where there may be a turn.
+    // The error that remains after one step of Newton's method. If there may be a turn, the whole
+    // bend counts.
     const double bent = kMostOdd * std::fabs(third) + 0.0625 * std::fabs(fourth);
     const double left = bent * bent * std::fabs(a[i]) - 2 * by_time * slow * slow;
     const double flat = bent - kNearSteps, far = error[i] * per_unit - near;

@@ -1,5 +1,5 @@
-// The law of a motor whose position is no fixed sum of X, Y and Z: along the filtered path of the
-// nozzle, by the geometry.
+// The law of a motor of a nonlinear geometry: the geometry gives its position along the filtered
+// path of the nozzle.
 #pragma once
 #include <deque>
 
@@ -14,7 +14,7 @@ class FollowedNozzle {
   FollowedNozzle(const Machine& machine, const StepperSpec& spec, const Track& track)
       : machine_(machine), spec_(spec), track_(track) {}
 
-  void start(double) {}  // at the begin of the track
+  void start(double) {}  // always at the start of the track
   double t() const { return track_.t[track_.n]; }
   double q() const {
     const double at[3] = {track_.p[0][0], track_.p[1][0], track_.p[2][0]};
@@ -22,21 +22,22 @@ class FollowedNozzle {
   }
   double earliest() const { return 0; }
 
-  // Passes on the whole track: sink.bent as in law.hpp.
+  // Passes on the whole track by sink.bent, see law.hpp.
   template <class Sink>
   void advance(double, bool, Sink& sink) {
     fit(track_, fit_);
     pass_on(track_, fit_, 0, sink);
   }
-  // It has no phases of its own.
+  // This law has no phases of its own.
   size_t needed(const Phases*) const { return 0; }
   void dropped(const Phases*, size_t) {}
 
  private:
   static constexpr size_t kParts = 4, kDeepest = 20;
-  // Quadratics with bends (IntervalSolver) that are near the motor's law, in steps and ticks.
+  // Quadratics with bends (see IntervalSolver) that approximate the motor's law, in steps and
+  // ticks.
   struct Fit {
-    Track track;  // of parts of an interval
+    Track track;  // parts of one interval
     Followed law;
     UnsetDoubles accel, odd, even;
   };
@@ -44,16 +45,16 @@ class FollowedNozzle {
   const StepperSpec& spec_;
   const Track& track_;
   Fit fit_;
-  std::deque<Fit> parts_;  // by depth
+  std::deque<Fit> parts_;  // buffers, by depth of division
 
   // Fits quadratics to the motor's law along a track.
   void fit(const Track& track, Fit& to) const;
-  // Passes them on; splits those that are too far from the law.
+  // Passes on the quadratics. Divides intervals where the error is too large.
   template <class Sink>
   void pass_on(const Track& track, const Fit& fits, size_t depth, Sink& sink) {
     const Followed& law = fits.law;
     for (size_t i = 0; i < track.n; ++i) {
-      // Not a number at a singular point: smaller parts would be as bad.
+      // The error is not a number at a singular point, where smaller parts do not help.
       if (!(law.error[i] > 0) || depth == kDeepest) [[likely]] {
         sink.bent(track.t[i + 1], law.q[i + 1], law.v0[i], law.v1[i], fits.accel[i], fits.odd[i],
                   fits.even[i]);

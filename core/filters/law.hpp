@@ -1,4 +1,4 @@
-// The motion of one motor, or of one axis of the nozzle, in time, after all its filters.
+// The motion of one motor, or of one axis of the nozzle, in time, after all filters.
 #pragma once
 #include <variant>
 
@@ -14,10 +14,10 @@
 
 namespace passo {
 
-// What the motion is between two breakpoints.
+// The kind of motion between two breakpoints.
 enum class PartKind { quadratics, cubics, pieces };
 
-// A law has one of these forms, the first that is exact:
+// A law has the first of these forms that is exact for its filters:
 //
 //   form            parts                    of
 //   Taps            quadratics               shapers, or a delay alone
@@ -26,7 +26,7 @@ enum class PartKind { quadratics, cubics, pieces };
 //   FollowedNozzle  quadratics with bends    a motor of a delta or an arm
 //   RaisedNozzle    pieces                   a motor that corrects an uneven bed
 //
-// A sink has a function for each kind of part, which the form calls once for each interval:
+// A sink has a function for each kind of part. The form calls it once for each interval:
 //
 //   add(end clock, end position, speed at begin and end, acceleration)
 //   bent(the same, odd, even): IntervalSolver::add
@@ -41,26 +41,25 @@ class Law {
   Law(const Law&) = delete;
   Law& operator=(const Law&) = delete;
 
-  // What it is from now on. Only at rest. `nozzle`: the path of a motor that is not a fixed sum of
-  // axes.
+  // Sets which motor the law describes. Call this only at standstill. `nozzle`: the path of the
+  // nozzle, for motors that are not a fixed sum of axes.
   void follow(const Machine& machine, const StepperSpec& spec, const Track& nozzle);
-  // The same for X, Y or Z of the nozzle, in mm.
+  // The law describes X, Y or Z of the nozzle, in mm. Call this only at standstill.
   void follow_axis(const Filters& filters, int slot);
 
   PartKind parts() const {
     return std::visit([](const auto& form) { return parts_of(form); }, form_);
   }
-  // Whether its parts come from the path of the nozzle.
+  // Whether the parts are calculated from the path of the nozzle.
   bool follows_nozzle() const { return planned_.all().empty(); }
 
-  // See PlannedLaws: everything is at rest at the start of a move; a move; the plan is known up to
-  // a clock; the motor is at rest at the end of the last move.
+  // These four act as in PlannedLaws.
   void begin(const Move& m) { planned_.begin(m); }
   void add(const Move& m, double until) { planned_.add(m, until); }
   void resume(double clock) { planned_.resume(clock); }
   void stand() { planned_.stand(); }
 
-  // The law continues from here.
+  // Restarts the law at this clock.
   void start(double clock) {
     std::visit([&](auto& form) { form.start(clock); }, form_);
   }
@@ -70,12 +69,12 @@ class Law {
   double q() const {
     return std::visit([](const auto& form) { return form.q(); }, form_);
   }
-  // Ticks for which the law is known beyond the end of the plan.
+  // Ticks by which the law is known beyond the end of the plan.
   double earliest() const {
     return std::visit([](const auto& form) { return form.earliest(); }, form_);
   }
-  // Passes on its parts up to the clock `limit`, which is at most earliest() after the end of the
-  // plan; `last`: nothing follows the plan, and all is passed on.
+  // Passes on the parts up to the clock `limit`, which is at most earliest() after the end of the
+  // plan. With `last` no move follows, and all parts are passed on.
   template <class Sink>
   void advance(double limit, bool last, Sink& sink) {
     std::visit(
@@ -91,7 +90,7 @@ class Law {
   double hz_;
   std::variant<Taps, Advance, SmoothLaw, FollowedNozzle, RaisedNozzle> form_;
 
-  // The first form that is exact for the kernels of the planned laws.
+  // Selects the first form that is exact for the kernels of the planned laws.
   void choose(double delay);
 
   static PartKind parts_of(const Taps&) { return PartKind::quadratics; }

@@ -11,7 +11,7 @@ bool NozzleLaw::needed() const {
       });
 }
 
-// At rest: filters may have changed since.
+// Called at standstill, where filters may have changed.
 void NozzleLaw::begin(const Move& m) {
   const Filters& filters = machine_.filters;
   track_.cubic = false;
@@ -59,7 +59,7 @@ void NozzleLaw::restart(double clock, const std::vector<Move>& past) {
 }
 
 void NozzleLaw::solve(const std::vector<Move>& moves, double known, bool last) {
-  // From the end of the last track.
+  // Continues at the end of the last track.
   if (going_ && track_.n > 0) {
     track_.t[0] = track_.t[track_.n];
     for (auto& p : track_.p) p[0] = p[track_.n];
@@ -74,7 +74,7 @@ void NozzleLaw::solve(const std::vector<Move>& moves, double known, bool last) {
   going_ = !last;
 }
 
-// The intervals of all axes, cut at the breakpoints of each.
+// Merges the intervals of the three axes into one track, with the breakpoints of all of them.
 void NozzleLaw::merge() {
   size_t most = 0, next[3] = {0, 0, 0};
   double at = track_.t[0], end = at, from[3] = {at, at, at};
@@ -96,7 +96,7 @@ void NozzleLaw::merge() {
       }
       const Interval& axis = axes_[i].all[next[i]];
       const double u = at - from[i];
-      const double w = to - from[i], bend = 0.5 * axis.j;  // 0: a quadratic
+      const double w = to - from[i], bend = 0.5 * axis.j;  // 0 for a quadratic
       track_.p[i][n] = axis.q + u * (axis.v + (0.5 * axis.a * u + bend * (1.0 / 3) * u * u));
       track_.v0[i][n] = axis.v + (axis.a * u + bend * u * u);
       track_.v1[i][n] = axis.v + (axis.a * w + bend * w * w);

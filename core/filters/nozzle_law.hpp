@@ -1,5 +1,5 @@
 // The filtered path of the nozzle in X, Y and Z, for motors whose position is not a linear sum of
-// X, Y and Z.
+// the three.
 #pragma once
 #include <algorithm>
 #include <vector>
@@ -15,24 +15,25 @@ class NozzleLaw {
  public:
   explicit NozzleLaw(const Machine& machine) : machine_(machine) {}
 
-  // A motor of the machine needs this path.
+  // Whether a motor of the machine needs this path.
   bool needed() const;
-  // As FilteredSolver::solve: takes moves that follow the last ones, and returns the new part of
-  // the path that later moves cannot change. It begins at the end of the track before it.
+  // Takes the moves that follow the last ones. track() is then the next part of the path, as far as
+  // later moves cannot change it. It starts at the end of the track before. Parameters as in
+  // FilteredSolver::solve.
   void solve(const std::vector<Move>& moves, double known, bool last);
-  // Continues at `clock` after the moves `past`. The track then has only that point.
+  // Restarts at `clock`, after the moves `past`. The track then has only that point.
   void restart(double clock, const std::vector<Move>& past);
   const Track& track() const { return track_; }
 
  private:
   struct Interval {
     double end;         // clock
-    double q, v, a, j;  // at the begin
+    double q, v, a, j;  // at the start
   };
   // Collects the intervals of one axis.
   struct Intervals {
     std::vector<Interval> all;
-    double q = 0;  // at the end of the last one
+    double q = 0;  // position at the end of the last interval
     void add(double end, double position, double speed, double, double accel) {
       all.push_back({end, q, speed, accel, 0});
       q = position;
@@ -42,7 +43,7 @@ class NozzleLaw {
       all.push_back({t + ticks, begin, speed, accel, jerk});
       q = position;
     }
-    // No axis has such parts.
+    // Axes never have these kinds of parts.
     template <class... Parts>
     void bent(const Parts&...) {}
     template <class... Parts>

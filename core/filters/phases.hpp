@@ -12,32 +12,32 @@
 namespace passo {
 
 inline constexpr double kNeverTicks = 1e300;
-typedef double Two __attribute__((vector_size(16)));  // two doubles, added and scaled at once
+typedef double Two __attribute__((vector_size(16)));  // vector of two doubles
 
-// Phase k begins at t[k] with position q, speed v and acceleration a, in steps and ticks. `change`
-// is the difference at its start from the calculated end of the phase before. At the end of a long
-// print a clock has a resolution of 6e-5 ticks, so the position jumps a little at each move;
-// without `change`, sums over many breakpoints would drift. The entry after the last phase has t =
+// Phase k starts at t[k] with position q, speed v and acceleration a, in steps and ticks. change[k]
+// is the difference of its start from the calculated end of phase k - 1. After many hours a clock
+// has a resolution of only 6e-5 ticks, so that the position jumps a little at each move. Without
+// `change`, sums over many breakpoints would drift. The entry after the last phase has t =
 // kNeverTicks.
 class Phases {
  public:
   struct Change {
-    Two place;  // of q and of v
-    Two rate;   // of a; 1 if the new phase is a standstill, else 0
+    Two place;  // change of q and of v
+    Two rate;   // change of a; 1 if a standstill starts, else 0
   };
-  // The pressure advance of an extruder: the speed times the advance of its moves in seconds. Above
-  // each knee a further mm/s counts less, so the advance is a polyline through 0.
+  // Pressure advance of an extruder: its speed times the advance in seconds. Above each knee,
+  // additional speed counts less: the advance over speed is a polyline through 0.
   struct Advanced {
-    double y, slope;     // at the begin of the phase
+    double y, slope;     // at the start of the phase
     double dy, d_slope;  // difference from the end of the phase before
   };
   std::vector<double> t, q, v, a;
   std::vector<Change> change;
-  std::vector<Advanced> advanced;  // empty if it has no advance
+  std::vector<Advanced> advanced;  // empty if the axis has no advance
   std::vector<uint8_t> stands;
 
-  // Above `speed` (steps per tick), each further step per tick counts as the fraction `share`; up
-  // to `speed` the sum is `all`.
+  // A knee: above `speed` (steps per tick), additional speed counts with the factor `share`. `all`
+  // is the sum up to `speed`.
   struct Bend {
     double speed, share, all;
   };
@@ -46,7 +46,7 @@ class Phases {
       : advances_(advances), bends_(std::move(bends)) {
     reserve(kSmallest);
   }
-  // For motion in steps and ticks.
+  // Converts knees from mm/s to steps per tick.
   static std::vector<Bend> bends(const std::vector<Knee>& knees, double steps_per_mm, double hz) {
     std::vector<Bend> bends;
     Bend before{0, 1, 0};
@@ -58,8 +58,8 @@ class Phases {
     return bends;
   }
 
-  // The axis is, and was always, at rest at q0. A breakpoint of an axis at rest is left out if it
-  // is more than `span` ticks after the one before it.
+  // The axis rests at q0, and has always done so. While it rests, a breakpoint is left out unless
+  // it is more than `span` ticks after the last one.
   void begin(double q0, double span) {
     span_ = span;
     t[0] = -span, q[0] = q0, v[0] = a[0] = 0;
@@ -69,13 +69,13 @@ class Phases {
     at_end_ = q0;
     end_with_never(1);
   }
-  // From p0 to p1 steps along a move, with `advance` ticks. Phases from `until` on are left out.
-  // `share`: the part of the filament that follows this law; bends depend on the speed of all
-  // filament.
+  // Adds a move of the axis from p0 to p1 steps with an advance in ticks. Phases after `until` are
+  // left out. `share`: fraction of the filament that follows this law; the knees depend on the
+  // speed of all filament.
   void add(const Move& m, double p0, double p1, double hz, double advance, double until,
            double share = 1) {
     const double u = (p1 - p0) / m.d, w = u / hz, ww = w / hz;
-    if (m.start > end_ + 0.5) stand();  // there was a pause
+    if (m.start > end_ + 0.5) stand();  // after a pause
     advance_ = advance;
     share_ = share;
     fresh_ = true;
@@ -92,20 +92,19 @@ class Phases {
       end_ = until;
     }
   }
-  // The law is known up to `clock`, and continues from there.
+  // The law continues from `clock`, up to which it is known.
   void resume(double clock) {
     if (clock > end_ + 0.5) stand();
     end_ = std::max(end_, clock);
   }
-  // The axis is at rest at the end of the last move.
+  // The axis rests at the end of the last move.
   void stand() {
     advance_ = 0;
     if (!stands[n_ - 1]) write(end_, at_end_, 0, 0);
   }
   double at_end() const { return at_end_; }
 
-  // Drops the phases before number k. Returns how much smaller the numbers of the remaining phases
-  // are now.
+  // Drops the phases before number k. Returns by how much the numbers of the other phases fall.
   size_t drop(size_t k) {
     if (k < kDropped) return 0;
     for (auto* x : {&t, &q, &v, &a}) shift(*x, k, n_ + 1 - k);
@@ -120,7 +119,7 @@ class Phases {
   static constexpr size_t kSmallest = 256, kDropped = 2048;
   bool advances_;
   std::vector<Bend> bends_;
-  bool fresh_ = false;  // fresh_: the next phase is the first one of its move
+  bool fresh_ = false;  // the next phase is the first one of its move
   size_t n_ = 0;
   double span_ = 0, end_ = 0, at_end_ = 0, advance_ = 0, share_ = 1;
 

@@ -71,7 +71,8 @@ void PlannedLaws::add_parts(const Move& m, double until) {
     of_others += to;
     left -= share;
   }
-  // The sum ends where the plan does; what rounding leaves waits for a move that is not in X and Y.
+  // The sum of the parts ends where the plan ends. A rest from rounding waits for a move outside of
+  // the XY plane.
   const bool moves = sum == 0 || square[kZ] > 0;
   const double from = all_[2].at_end(), to = moves ? m.p1[kE] * scale - of_others : from;
   all_[2].add(m, from, to, hz_, moves ? m.advance * hz_ : 0, until, moves ? left : 0);

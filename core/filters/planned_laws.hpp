@@ -1,5 +1,4 @@
-// The planned laws that one motor or axis follows, in its own unit, and the filters between them
-// and what it does.
+// The planned laws that one motor or axis follows, in its own unit, and the filter kernel of each.
 #pragma once
 #include <vector>
 
@@ -13,24 +12,24 @@ class PlannedLaws {
  public:
   explicit PlannedLaws(double hz) : hz_(hz) { all_.reserve(kMost); }
 
-  // No laws; those of the next calls are filtered by `filters`, which must outlive them.
+  // Removes all laws. The laws that follow are filtered by `filters`, which must outlive them.
   void clear(const Filters& filters);
-  // `scale`: of the motor's unit for a mm. An axis is followed in the slot of its position; a motor
-  // that several axes move is the sum of them.
+  // Adds laws that the motor follows; `scale` is its units per mm. A motor that several axes move
+  // is the sum of their laws.
   void follow_axis(int slot, double scale);
   void follow_extruder(int extruder, double scale);
 
-  // At most three. Laws of filters refer to them.
+  // At most three laws. The filter forms keep pointers to them.
   std::vector<Phases>& all() { return all_; }
   const std::vector<Phases>& all() const { return all_; }
-  // What their filters make of each of them.
+  // The filter kernel of law i.
   const Kernel& kernel(size_t i) const { return parts_[i].kernel; }
 
-  // Moves of another extruder do not move this one.
+  // Moves of another extruder do not move this extruder.
   bool idles(const Move& m) const { return extruder_ >= 0 && m.extruder != extruder_; }
-  // Everything is at rest at the start of a move.
+  // Everything rests at the start of this move.
   void begin(const Move& m);
-  // Not a dwell. Motion from the clock `until` on is left out.
+  // Adds a move that is not a dwell. Motion after the clock `until` is left out.
   void add(const Move& m, double until);
   void resume(double clock) {
     for (Phases& p : all_) p.resume(clock);
@@ -42,15 +41,16 @@ class PlannedLaws {
  private:
   static constexpr size_t kMost = 3;
   struct Part {
-    int slot;  // of the position
+    int slot;  // of the axis, or kE
     Kernel kernel;
     double scale;
   };
   double hz_;
   const Filters* filters_ = nullptr;
   int extruder_ = -1;
-  // An extruder that follows different kernels of X and Y: its position is a sum of parts, which
-  // move with X, with Y, and with neither. A move is divided by its direction squared.
+  // The extruder follows X and Y, whose kernels differ. Its position is a sum of three parts, which
+  // follow X, Y, and neither. The squared components of a move's direction are the fractions of X
+  // and Y.
   bool parted_ = false;
   std::vector<Part> parts_;
   std::vector<Phases> all_;

@@ -1,5 +1,5 @@
-// The law of a motor that corrects an uneven bed: the filtered path of the nozzle as pieces, which
-// the solver of pieces cuts at the lines of the height map.
+// The law of a motor that corrects an uneven bed: the filtered path of the nozzle as pieces. The
+// piece solver cuts them at the lines of the height map.
 #pragma once
 #include "filters/phases.hpp"
 #include "geometry/track.hpp"
@@ -11,12 +11,12 @@ class RaisedNozzle {
  public:
   RaisedNozzle(double hz, const Track& track) : hz_(hz), track_(&track) {}
 
-  void start(double) {}  // at the begin of the track
+  void start(double) {}  // always at the start of the track
   double t() const { return track_->t[track_->n]; }
-  double q() const { return 0; }  // the solver of pieces has the motor's count
+  double q() const { return 0; }  // the piece solver keeps the motor's count
   double earliest() const { return 0; }
 
-  // Passes on the whole track: sink.piece as in law.hpp.
+  // Passes on the whole track by sink.piece, see law.hpp.
   template <class Sink>
   void advance(double, bool, Sink& sink) {
     const Track& track = *track_;
@@ -37,7 +37,7 @@ class RaisedNozzle {
       sink.piece(p);
     }
   }
-  // It has no phases of its own.
+  // This law has no phases of its own.
   size_t needed(const Phases*) const { return 0; }
   void dropped(const Phases*, size_t) {}
 

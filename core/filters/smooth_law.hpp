@@ -1,13 +1,13 @@
-// The filtered law of one motor as a cubic between breakpoints: means over a box of time, impulses,
-// and pressure advance, of one or several planned laws.
+// The filtered law of one motor, a cubic between breakpoints: impulses, averages over a box of
+// time, and pressure advance, applied to one or several planned laws.
 //
-// Each is a sum of copies of the planned law p, delayed and integrated:
+// Each filter is a sum of copies of the planned law p, which are delayed and may be integrated:
 //   impulse             weight * p                   a quadratic
 //   box of the width w  weight * (P(t + w/2) - P(t - w/2)) / w with P' = p, a cubic
 //   advance             y = advance * p' convolved with two boxes of the widths w and h: y
 //                       integrated twice, at (+w +h, +w -h, -w +h, -w -h)/2, times (+ - - +)/(w h)
-// So every breakpoint of p is an edge of the sum: it changes the derivative that fits by a
-// constant.
+// So each breakpoint of p changes one derivative of the sum by a constant, at an edge of each
+// filter.
 #pragma once
 #include <algorithm>
 #include <bit>
@@ -22,7 +22,7 @@ namespace passo {
 
 class SmoothLaw {
  public:
-  // What a kernel makes of the planned law, `delay` ticks later.
+  // Adds what `kernel` makes of a planned law, `delay` ticks later.
   void add(Phases* phases, const Kernel& kernel, double delay, double hz) {
     for (const Impulse& copy : kernel.copies)
       add(phases, copy.weight, delay + copy.at * hz, kernel.box_s * hz);
@@ -31,13 +31,14 @@ class SmoothLaw {
         add_advance(phases, copy.weight, delay + copy.at * hz, kernel.wide_s * hz,
                     kernel.narrow_s * hz);
   }
-  // The planned law `delay` ticks later, in the mean of a box of this width; 0: no box.
+  // Adds a planned law, `delay` ticks later, averaged over a box of this width. Width 0: not
+  // averaged.
   void add(Phases* phases, double weight, double delay, double box) {
     if (!(box > 0)) return put({phases, delay, weight, 0, 0});
     put({phases, delay - 0.5 * box, 0, weight / box, 0});
     put({phases, delay + 0.5 * box, 0, -weight / box, 0});
   }
-  // What the law advances, in the mean of two boxes of these widths.
+  // Adds the advance of a planned law, averaged over two boxes of these widths.
   void add_advance(Phases* phases, double weight, double delay, double wide, double narrow) {
     const double part = weight / (wide * narrow), out = 0.5 * (wide + narrow),
                  in = 0.5 * (wide - narrow);
@@ -47,9 +48,9 @@ class SmoothLaw {
     put({phases, delay + out, 0, 0, part});
   }
 
-  // The minimum delay in ticks: the law is known until this long after the end of the plan.
+  // The shortest delay in ticks: the law is known up to this long after the end of the plan.
   double earliest() const { return earliest_; }
-  // The law continues from here; earlier phases have no effect.
+  // Restarts the law at clock t. Earlier phases have no effect.
   void start(double t) {
     t_ = t;
     for (Edge& e : edges_) {
@@ -61,9 +62,9 @@ class SmoothLaw {
   double t() const { return t_; }
   double q() const { return q_; }
 
-  // Passes on each interval between two breakpoints until `limit`: all breakpoints before it are
-  // known. Sink: cubic(begin clock, ticks, position, speed, acceleration, jerk, end position, end
-  // speed). `last`: none follows the known ones.
+  // Passes on each interval between two breakpoints before `limit`, up to which all breakpoints are
+  // known: sink.cubic(start clock, ticks, position, speed, acceleration, jerk, end position, end
+  // speed). `last`: no breakpoint follows the known ones.
   template <class Sink>
   void advance(double limit, bool last, Sink& sink) {
     const size_t n = edges_.size();
@@ -79,7 +80,7 @@ class SmoothLaw {
       }
       if (least >= stop) break;
       const double end = std::bit_cast<double>(least);
-      // Errors of the derivatives grow with time: a long interval begins with new sums.
+      // Errors of the derivatives grow with time, so a long interval starts with a new sum.
       if (end - t_ > long_ && left_ < kResum) sum();
       if (end > t_) pass_on(end, sink);
       Edge& e = edges_[first];
@@ -99,7 +100,7 @@ class SmoothLaw {
     }
     if (!last && limit > t_) pass_on(limit, sink);
   }
-  // The first phase of an axis that is still needed.
+  // The first phase of an axis that this law still needs.
   size_t needed(const Phases* phases) const {
     size_t k = std::numeric_limits<size_t>::max();
     for (const Edge& e : edges_)
@@ -112,15 +113,16 @@ class SmoothLaw {
   }
 
  private:
-  static constexpr int kResum = 512;     // breakpoints from one exact sum to the next
-  static constexpr double kLongest = 8;  // interval without a new sum, by the length of the memory
+  static constexpr int kResum = 512;  // breakpoints between two exact sums
+  static constexpr double kLongest =
+      8;  // longest interval without a new sum, in lengths of the memory
   struct Edge {
     Phases* phases;
     double delay;                 // ticks
-    double direct, box, advance;  // weights: law, its integral, its advance
+    double direct, box, advance;  // weights of the law, of its integral and of its advance
     size_t k = 0;                 // current phase
   };
-  std::vector<Edge> edges_;  // ordered by axis, the latest first
+  std::vector<Edge> edges_;  // grouped by axis, in each the latest first
   std::vector<int64_t> due_;
   double earliest_ = kNeverTicks, long_ = 0, t_ = 0;
   double q_ = 0, v_ = 0, a_ = 0, j_ = 0;
@@ -158,7 +160,8 @@ class SmoothLaw {
     t_ = end;
   }
 
-  // The law at t_, summed again from the phases. It is exact when all of them are at standstill.
+  // Calculates the law at t_ from the phases again. The result is exact if all of them are at
+  // standstill.
   void sum() {
     q_ = v_ = a_ = j_ = 0;
     left_ = kResum;
@@ -169,13 +172,14 @@ class SmoothLaw {
       first = end;
     }
   }
-  // Adds one axis: from the clock of its latest edge to that of its earliest one. Positions are
-  // relative to the last one, as the weights add up to 1 by rounding only.
+  // Adds one axis, from the clock of its latest edge to that of its earliest edge. Positions are
+  // relative to that of the earliest edge, because rounding keeps the weights from adding up to
+  // exactly 1.
   void sum(size_t first, size_t end) {
     const Phases& p = *edges_[first].phases;
     const Edge& newest = edges_[end - 1];
     const double reference = p.q[newest.k] + along(p, newest.k, t_ - newest.delay).q;
-    // Integrals of the position, and of what is advanced, once and twice.
+    // Integral of the position, and the first two integrals of the advance.
     double way = 0, once = 0, twice = 0, at = t_ - edges_[first].delay;
     size_t k = edges_[first].k;
     q_ += reference;
@@ -210,7 +214,7 @@ class SmoothLaw {
     }
   }
   struct Place {
-    double q, v;  // q: from the begin of the phase
+    double q, v;  // q relative to the start of the phase
   };
   static Place along(const Phases& p, size_t k, double t) {
     if (p.stands[k]) return {0, 0};

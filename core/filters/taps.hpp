@@ -1,5 +1,5 @@
 // The filtered law of one linear motor: a sum of impulses, each a delayed copy of the planned law
-// of an axis. A sum of quadratics is a quadratic between breakpoints, so nothing is approximated.
+// of an axis. A sum of quadratics is a quadratic between breakpoints, so the result is exact.
 #pragma once
 #include <algorithm>
 #include <bit>
@@ -10,7 +10,7 @@
 
 namespace passo {
 
-// Later than any breakpoint, and before kNeverTicks.
+// After any breakpoint, and before kNeverTicks.
 inline constexpr double kAllTicks = 1e299;
 
 // Positive doubles have the same order as their bit patterns.
@@ -30,9 +30,9 @@ class Taps {
     earliest_ = std::min(earliest_, delay);
   }
 
-  // The minimum delay in ticks: the law is known until this long after the end of the plan.
+  // The shortest delay in ticks: the law is known up to this long after the end of the plan.
   double earliest() const { return earliest_; }
-  // The law continues from here; earlier phases have no effect.
+  // Restarts the law at clock t. Earlier phases have no effect.
   void start(double t) {
     t_ = t;
     for (int i = 0; i < n_; ++i) {
@@ -46,9 +46,9 @@ class Taps {
   double t() const { return t_; }
   double q() const { return q_; }
 
-  // Passes on each interval between two breakpoints until `limit`: all breakpoints before it are
-  // known. Sink: add(end clock, end position, speed at begin and end, acceleration). `last`: none
-  // follows the known ones.
+  // Passes on each interval between two breakpoints before `limit`, up to which all breakpoints are
+  // known: sink.add(end clock, end position, speed at start and end, acceleration). `last`: no
+  // breakpoint follows the known ones.
   template <class Sink>
   void advance(double limit, bool last, Sink& sink) {
     if (n_ == 1)
@@ -65,7 +65,7 @@ class Taps {
       walk<6>(limit, sink);
     else
       walk<0>(limit, sink);
-    // The end of what is known is a breakpoint, though what changes there is not known yet.
+    // The known part ends at a breakpoint. What changes there is not known yet.
     if (!last && limit > t_ && !(v_ == 0 && a_ == 0)) {
       const double d = limit - t_, v = v_ + a_ * d;
       q_ = q_ + d * (v_ + 0.5 * a_ * d);
@@ -74,7 +74,7 @@ class Taps {
       t_ = limit;
     }
   }
-  // The first phase of an axis that is still needed.
+  // The first phase of an axis that this law still needs.
   size_t needed(const Phases* phases) const {
     size_t k = std::numeric_limits<size_t>::max();
     for (int i = 0; i < n_; ++i)
@@ -87,13 +87,13 @@ class Taps {
   }
 
  private:
-  static constexpr int kResum = 64;  // breakpoints from one exact sum to the next
+  static constexpr int kResum = 64;  // breakpoints between two exact sums
   int n_ = 0, left_ = kResum;
   Tap taps_[kMost];
   double earliest_ = kNeverTicks, t_ = 0, q_ = 0, v_ = 0, a_ = 0;
 
-  // The law at t_, summed again from the current phases. It is exact when all of them are at
-  // standstill.
+  // Calculates the law at t_ from the current phases again. The result is exact if all of them are
+  // at standstill.
   void sum() {
     double x[kMost];
     v_ = a_ = q_ = 0;
@@ -105,7 +105,8 @@ class Taps {
       v_ += w * (p.v[k] + p.a[k] * u);
       a_ += w * p.a[k];
     }
-    // Of each axis relative to its last impulse, as the weights add up to 1 by rounding only.
+    // Positions of each axis are relative to its last impulse, because rounding keeps the weights
+    // from adding up to exactly 1.
     for (int first = 0; first < n_;) {
       int end = first + 1;
       double part = 0;
@@ -118,8 +119,7 @@ class Taps {
 
   template <int N, class Sink>
   void walk(double limit, Sink& sink) {
-    // All values are in local variables, because the compiler cannot exclude that the sink writes
-    // to members.
+    // All values are local variables: the compiler cannot exclude that the sink writes to members.
     constexpr int kRoom = N > 0 ? N : kMost;
     const int n = N > 0 ? N : n_;
     const double* times[kRoom];
@@ -144,7 +144,7 @@ class Taps {
       for (int i = 1; i < n; ++i) least = due[i] < least ? due[i] : least;
       if (least >= stop) break;
       const double end = std::bit_cast<double>(least), d = end - t;
-      Two place{0, 0}, rate{0, 0};  // of those that are due, mostly one
+      Two place{0, 0}, rate{0, 0};  // changes of the phases that are due, usually of one
 #pragma GCC unroll 8
       for (int i = 0; i < n; ++i) {
         const size_t now = due[i] == least;

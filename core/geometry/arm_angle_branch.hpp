@@ -1,5 +1,6 @@
-// The direction of the nozzle from an arm's shoulder. Angles end somewhere: here half a turn away
-// from a direction that the configuration gives, usually that of the bed's middle.
+// The direction of the nozzle from an arm's shoulder as an angle. The range of angles ends half a
+// turn away from its middle, which the configuration gives, usually the direction of the bed's
+// middle.
 #pragma once
 #include <cmath>
 
@@ -7,8 +8,8 @@
 
 namespace passo {
 
-// Whether an arm of two parts reaches a place d mm from its shoulder. Nearly stretched or folded,
-// it would have to turn too fast for any move.
+// Whether an arm of two parts reaches a point d mm from its shoulder. An arm that is nearly
+// stretched or folded does not count: it would have to turn too fast for any move.
 inline bool arm_reaches(double d, double part1, double part2) {
   constexpr double kLeft = 0.01;  // mm
   return d >= std::fabs(part1 - part2) + kLeft && d <= part1 + part2 - kLeft;
@@ -19,15 +20,15 @@ class Facing {
   explicit Facing(double degrees) : middle_(degrees * (kPi / 180)) {
     sincos(middle_, sine_, cosine_);
   }
-  // atan2, within half a turn of the middle.
+  // atan2, at most half a turn from the middle.
   double angle(double y, double x) const {
     double a = atan2(y, x);
     while (a <= middle_ - kPi) a += 2 * kPi;
     while (a > middle_ + kPi) a -= 2 * kPi;
     return a;
   }
-  // Whether a straight line between two places crosses the end of the range of angles, or ends
-  // there. A line before the shoulder cannot.
+  // Whether a straight line between two points crosses the end of the range of angles, or ends
+  // there. A line in front of the shoulder cannot.
   bool jumps(double y0, double x0, double y1, double x1) const {
     if (x0 * cosine_ + y0 * sine_ > 0 && x1 * cosine_ + y1 * sine_ > 0) return false;
     double from = angle(y0, x0) - middle_, to = angle(y1, x1) - middle_;
@@ -35,12 +36,12 @@ class Facing {
   }
 
  private:
-  static constexpr double kEnd = 1e-9;  // here rounding decides on which side a place is
+  static constexpr double kEnd = 1e-9;  // within this, rounding decides on which side a point is
   double middle_, sine_, cosine_;
 };
 
-// Geometry::grain of an arm at x, y from its shoulder: small next to it, and next to the circle
-// about it on which parts of uneven length are folded.
+// Geometry::grain of an arm for a point x, y from its shoulder. It is small near the shoulder. If
+// the parts have different lengths, it is also small near the circle on which they are folded.
 inline double grain_at(double x, double y, double around, double difference) {
   double d = std::sqrt(x * x + y * y) - around, unfolded = d - std::fabs(difference);
   return unfolded > 0 ? std::sqrt(d * unfolded) : 0;

@@ -1,4 +1,4 @@
-// One actuator an axis.
+// Cartesian: one actuator for each axis.
 #pragma once
 #include "geometry/linear.hpp"
 

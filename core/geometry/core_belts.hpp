@@ -1,5 +1,5 @@
-// CoreXY, CoreXZ and CoreYZ: two belts move two axes together, A = u + v, B = u - v. Hybrids have
-// one such belt, A = u - v, and a motor for v alone.
+// CoreXY, CoreXZ and CoreYZ: two belts move two axes together, A = u + v and B = u - v. Hybrids
+// have one such belt, A = u - v, and a motor for v only.
 #pragma once
 #include "geometry/linear.hpp"
 

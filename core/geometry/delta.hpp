@@ -1,4 +1,4 @@
-// Linear delta: carriages on three towers, rods of fixed length to the effector.
+// Linear delta: carriages on three towers hold the effector by rods of fixed length.
 #pragma once
 #include <array>
 
@@ -13,7 +13,7 @@ class Delta : public Geometry {
   struct Tower {
     double x, y, rod2;
     static constexpr bool kLifts = true;
-    double sample_mm = 1e9;  // a carriage's height is concave along a line: at most one turn
+    double sample_mm = 1e9;  // along a line the carriage turns at most once: its height is concave
     void local(const double p[3], double out[3]) const {
       out[0] = p[0], out[1] = p[1], out[2] = p[2];
     }
@@ -24,7 +24,7 @@ class Delta : public Geometry {
     Centre centre(double q) const { return {{x, y, q}, {0, 0, 1}, {0, 0, 0}, rod2, 0, 0}; }
   };
 
-  // Towers at `radius` from the middle and at `angles` (degrees, counter-clockwise from +X).
+  // The towers are at `radius` from the middle, at `angles` in degrees, counter-clockwise from +X.
   Delta(double radius, const std::vector<double>& rods, const std::vector<double>& angles,
         double limit_radius)
       : limit2_(limit_radius * limit_radius) {
@@ -58,7 +58,7 @@ class Delta : public Geometry {
     const Tower& tower = towers_[size_t(i)];
     const int n = int(k.n);
     out.reserve(k.n);
-    double* inverse = out.error.data();  // of the columns, until the errors replace them
+    double* inverse = out.error.data();  // 1/c of the columns, later replaced by the errors
     const double *t = k.t.data(), *x = k.p[0].data(), *y = k.p[1].data(), *z = k.p[2].data();
     columns(n, tower, x, y, z, out.q.data(), inverse);
     const double *x0 = k.v0[0].data(), *y0 = k.v0[1].data(), *z0 = k.v0[2].data();
@@ -76,7 +76,8 @@ class Delta : public Geometry {
   std::array<Tower, 3> towers_;
   double limit2_;
 
-  // A column's height c over the nozzle: c^2 = rod^2 - u^2, with u from the tower in X and Y.
+  // Height c of a carriage above the nozzle: c^2 = rod^2 - u^2, where u is the distance from the
+  // tower in XY.
   PASSO_SIMD static void columns(int n, const Tower& tower, const double* __restrict x,
                                  const double* __restrict y, const double* __restrict z,
                                  double* __restrict q, double* __restrict inverse) {
@@ -111,14 +112,15 @@ class Delta : public Geometry {
       q[i] = (0.5 * (z[i] + z[i + 1]) - d * (z1[i] - z0[i])) + std::sqrt(square > 0 ? square : 0.0);
     }
   }
-  // Derivatives of c by time, from c^2 = rod^2 - u^2, at a speed V, an acceleration A and a jerk J
-  // in X, Y:
+  // Bounds of the derivatives of c with respect to time, from c^2 = rod^2 - u^2, for a speed V, an
+  // acceleration A and a jerk J in XY:
   //   |c1| <= V u/c
   //   |c2| <= (V^2 rod^2/c^2 + A u) / c
   //   |c3| <= (3 (V A + |c1 c2|) + J u) / c
   //   |c4| <= (3 A^2 + 4 V J + 4 |c1 c3| + 3 c2^2) / c
   //   |c5| <= (10 A J + 5 |c1 c4| + 10 |c2 c3|) / c
-  // In d ticks w = V d, g = A d^2 and j = J d^3; u is longer by g/8 within than at an end, at most.
+  // For an interval of d ticks w = V d, g = A d^2 and j = J d^3. Within the interval u exceeds its
+  // value at the ends by at most g/8.
   template <bool kCubic>
   PASSO_SIMD static void errors(int n, double rod2, const double* __restrict t,
                                 const double* __restrict x, const double* __restrict y,
@@ -138,7 +140,8 @@ class Delta : public Geometry {
         g += 0.5 * j, w += 0.125 * j;
       }
       const double most = inverse[i] > inverse[i + 1] ? inverse[i] : inverse[i + 1];
-      const double square = 1 / (most * most), least = square - rod * g;  // of c^2: ends, within
+      const double square = 1 / (most * most),
+                   least = square - rod * g;  // of c^2, at the ends and between them
       const double low = least > 0 ? 1 / least : kInfinity, per_c = most * square * low;
       const double slope = std::sqrt(rod2 - least) * per_c, c1 = slope * w;
       const double c2 = w * w * (rod2 * low * per_c) + slope * g;

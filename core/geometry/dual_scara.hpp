@@ -1,4 +1,5 @@
-// Dual-arm SCARA (five-bar): two arms from two shoulders meet at the nozzle, Z by itself.
+// Dual-arm SCARA (five-bar): two arms from two shoulders meet at the nozzle. Z has a motor of its
+// own.
 #pragma once
 #include <array>
 
@@ -9,7 +10,8 @@ namespace passo {
 
 class DualScara : public Geometry {
  public:
-  // Angles are degrees from +Y towards +X; the elbow lies outside of the line to the nozzle.
+  // Angles are in degrees from +Y towards +X. The elbow is on the outside of the line from shoulder
+  // to nozzle.
   struct Arm {
     double shoulder, proximal, distal, x_offset, y_offset;
     int outside;  // -1: left arm, elbow to the left; +1: right arm
@@ -44,7 +46,8 @@ class DualScara : public Geometry {
     }
   };
 
-  // `middle`: degrees, of each arm's direction to the nozzle where its angles are in their middle.
+  // `middle`: direction from each shoulder to the nozzle at the middle of its range of angles,
+  // degrees.
   DualScara(double shoulder1, double shoulder2, double proximal1, double proximal2, double distal1,
             double distal2, double x_offset, double y_offset, double middle1, double middle2)
       : arms_{Arm{shoulder1, proximal1, distal1, x_offset, y_offset, -1, Facing(middle1)},

@@ -1,5 +1,5 @@
-// The interface of a geometry for the planner and the step solver. One file a geometry implements
-// it; registry.hpp is the only other place that names it.
+// The interface of a geometry for the planner and the step solver. Each geometry implements it in a
+// file of its own, and registry.hpp lists it.
 #pragma once
 #include <cstdint>
 #include <limits>
@@ -20,16 +20,17 @@ struct Path {
 struct Track;
 struct Followed;
 
-// Where an actuator crosses the half-integers of its step count along one path: the step count goes
-// k0 → k1 = rint(position * steps_per_unit) at both ends, one crossing each step.
+// The points of a path at which the step count of an actuator crosses a half-integer. The count
+// goes from k0 to k1, which are rint(position * steps_per_unit) at both ends, with one crossing for
+// each step.
 struct Crossings {
   struct Run {
-    int32_t first;  // index in s of the first crossing of the run
+    int32_t first;  // index in `s` of the first crossing
     int32_t dir;    // +1 or -1
   };
-  int64_t k0 = 0;         // step count where the path begins
+  int64_t k0 = 0;         // step count at the start of the path
   UnsetDoubles s;         // path positions, ascending within 0…length
-  std::vector<Run> runs;  // maximal runs of one direction; empty if there is no step
+  std::vector<Run> runs;  // runs of one direction, as long as possible; empty if there is no step
   void clear() {
     k0 = 0;
     s.clear();
@@ -40,26 +41,26 @@ struct Crossings {
 class Geometry {
  public:
   virtual ~Geometry() = default;
-  // Number of actuators that move the nozzle in X, Y, Z.
+  // Number of actuators that move the nozzle in X, Y and Z.
   virtual int actuators() const = 0;
-  // True if actuator i is linear, position = c·(x, y, z): the solver then has a closed form of its
-  // own and calls neither slopes nor crossings.
+  // True if actuator i is linear: its position is c·(x, y, z). Then the solver uses a closed form,
+  // and does not call slopes() or crossings().
   virtual bool linear(int i, double c[3]) const = 0;
-  // Position of actuator i (mm or degrees) at p, NaN where it cannot reach.
+  // Position of actuator i at p, in mm or degrees; NaN if it cannot reach p.
   virtual double inverse(int i, const double p[3]) const = 0;
-  // Nozzle position of the actuators' positions q; false where there is none.
+  // Position of the nozzle if the actuators are at q; false if there is none.
   virtual bool forward(const double* q, double p[3]) const = 0;
-  // First and second derivative of actuator i's position by path length at s.
+  // First and second derivative of actuator i's position with respect to the path position s.
   virtual void slopes(int i, const Path& path, double s, double& d1, double& d2) const = 0;
-  // All crossings of actuator i, with `steps_per_unit` steps to its unit.
+  // Calculates all crossings of actuator i.
   virtual void crossings(int i, const Path& path, double steps_per_unit, Crossings& out) const = 0;
-  // Actuator i along a track (track.hpp). This one takes the error from the speed in the middle of
-  // an interval; within 1 mm an actuator turns at most twice.
+  // Positions and speeds of actuator i along a track (track.hpp). This implementation estimates the
+  // error from the speed in the middle of an interval. It assumes at most two turns within 1 mm.
   virtual void follow(int i, const Track& track, Followed& out) const;
-  // Whether an arm would have to turn back by a full turn on the straight line between two points.
+  // Whether the straight line between two points would make an arm turn back by a full turn.
   virtual bool jumps(const double[3], const double[3]) const { return false; }
-  // The shortest path length, in mm, on which the slopes may change completely, within `around` mm
-  // of p. It is small where an actuator must turn fast.
+  // The shortest distance in mm on which the slopes may change completely, within `around` mm of p.
+  // It is small where an actuator turns fast.
   virtual double grain(const double[3], double) const {
     return std::numeric_limits<double>::infinity();
   }

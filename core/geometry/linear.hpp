@@ -6,7 +6,8 @@ namespace passo {
 
 class LinearGeometry : public Geometry {
  public:
-  // Row i of `matrix` gives actuator i, row i of `inverse` gives axis i from the actuators.
+  // Row i of `matrix` calculates actuator i; row i of `inverse` calculates axis i from the
+  // actuators.
   LinearGeometry(const double (&matrix)[3][3], const double (&inverse)[3][3]) {
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) matrix_[i][j] = matrix[i][j], inverse_[i][j] = inverse[i][j];

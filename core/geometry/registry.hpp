@@ -1,4 +1,4 @@
-// Every geometry by its name in the configuration.
+// Makes a geometry by its name in the configuration.
 #pragma once
 #include <map>
 #include <memory>

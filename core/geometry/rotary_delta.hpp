@@ -1,4 +1,4 @@
-// Rotational delta: three arms turn at the base, rods hang the effector from their elbows.
+// Rotational delta: three arms turn at the base, and rods connect their elbows to the effector.
 #pragma once
 #include <array>
 
@@ -8,11 +8,11 @@ namespace passo {
 
 class RotaryDelta : public Geometry {
  public:
-  // In the arm's own frame the arm swings in the plane x = 0 about (0, shoulder): its elbow is at
-  // (0, shoulder - arm cos θ, -arm sin θ); the effector's joint is `effector` nearer to the base's
+  // In its own frame the arm swings in the plane x = 0 about (0, shoulder). Its elbow is at (0,
+  // shoulder - arm cos θ, -arm sin θ). The joint of the effector is `effector` nearer to the base's
   // edge.
   struct Arm {
-    double sine, cosine;  // of the arm's place about Z
+    double sine, cosine;  // of the arm's direction around Z
     double shoulder, effector, arm, rod2, z_offset;
     static constexpr bool kLifts = false;
     double sample_mm = 1;
@@ -21,13 +21,14 @@ class RotaryDelta : public Geometry {
       out[1] = p[1] * cosine - p[0] * sine - effector;
       out[2] = p[2] - z_offset;
     }
-    // Degrees. With w from the shoulder to the joint, the elbow's direction e obeys
-    // w·e = (w² + arm² - rod² + x²) / (2 arm); of its two solutions the outer one.
+    // The angle in degrees. If w goes from the shoulder to the joint, the elbow's direction e
+    // satisfies w·e = (w² + arm² - rod² + x²) / (2 arm). Of its two solutions the outer one
+    // applies.
     double value(const double p[3]) const {
       double wy = p[1] - shoulder, wz = p[2], w2 = wy * wy + wz * wz;
       double cosine_of = (w2 + arm * arm - rod2 + p[0] * p[0]) / (2 * arm * std::sqrt(w2));
       if (!(std::fabs(cosine_of) <= 1)) return std::nan("");
-      double angle = atan2(wz, wy) - acos(cosine_of) + kPi;  // from -kPi on
+      double angle = atan2(wz, wy) - acos(cosine_of) + kPi;  // -kPi or more
       if (angle > kPi) angle -= 2 * kPi;
       return angle * (180 / kPi);
     }
@@ -70,7 +71,7 @@ class RotaryDelta : public Geometry {
       const Arm& a = arms_[i];
       Centre e = a.centre(q[i]);
       double y =
-          e.c[1] + a.effector;  // the elbow moved so that the rod ends in the effector's middle
+          e.c[1] + a.effector;  // elbow, shifted so that the rod ends in the middle of the effector
       c[i][0] = -y * a.sine, c[i][1] = y * a.cosine, c[i][2] = e.c[2] + a.z_offset;
       r[i] = std::sqrt(a.rod2);
     }

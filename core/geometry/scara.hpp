@@ -1,4 +1,4 @@
-// SCARA: an upper arm about the origin, a forearm at its end, Z by itself.
+// SCARA: an upper arm turns about the origin, and a forearm at its end. Z has a motor of its own.
 #pragma once
 #include "geometry/arm_angle_branch.hpp"
 #include "geometry/sphere.hpp"
@@ -7,9 +7,9 @@ namespace passo {
 
 class Scara : public Geometry {
  public:
-  // The nozzle is `far` from the end of the part that this motor turns, which is `near` long: for
-  // the shoulder the elbow; for an elbow motor that keeps the forearm's absolute angle the opposite
-  // corner of the parallelogram.
+  // The motor turns a part of length `near`, and the nozzle is `far` from the end of that part. For
+  // the shoulder motor that end is the elbow. An elbow motor that keeps the forearm's absolute
+  // angle turns the opposite side of the parallelogram.
   struct Arm {
     double near, far;
     bool forearm;
@@ -45,8 +45,8 @@ class Scara : public Geometry {
       }
     }
   };
-  // An elbow motor on the upper arm: its angle E alone gives the nozzle's distance from the
-  // shoulder, |P|² = arm1² + arm2² + 2 arm1 arm2 cos E.
+  // An elbow motor on the upper arm. Its angle E determines the nozzle's distance from the
+  // shoulder: |P|² = arm1² + arm2² + 2 arm1 arm2 cos E.
   struct Elbow {
     double arm1, arm2, x_offset, y_offset;
     static constexpr bool kLifts = false;
@@ -74,7 +74,7 @@ class Scara : public Geometry {
     }
   };
 
-  // `middle`: degrees, of each arm's direction to the nozzle where its angles are in their middle.
+  // `middle`: direction to the nozzle at the middle of each motor's range of angles, degrees.
   Scara(double arm1, double arm2, bool external_motor, double x_offset, double y_offset,
         double middle1, double middle2)
       : external_(external_motor), arm1_(arm1), arm2_(arm2), x_(x_offset), y_(y_offset),

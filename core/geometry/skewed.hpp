@@ -7,8 +7,8 @@
 
 namespace passo {
 
-// The position of the machine's axes is a linear function of the nozzle position, with the factors
-// of the planes XY, XZ and YZ as in Klipper and Marlin (M852):
+// The positions of the axes are linear in the position of the nozzle. The factors of the planes XY,
+// XZ and YZ are those of Klipper and Marlin (M852):
 //   x' = x - xy y - (xz - xy yz) z,  y' = y - yz z,  z' = z
 class Skewed : public Geometry {
  public:

@@ -1,12 +1,12 @@
-// The condition that all nonlinear geometries here share: a point that moves with the nozzle stays
-// at a given distance from a centre that the actuator moves,
+// All nonlinear geometries satisfy one condition: a point that moves with the nozzle stays at a
+// given distance from a centre that the actuator moves,
 //
 //   |P(s) - C(q)|² = R²(q)
 //
-// (delta: C on the tower; arms: C is the elbow on its circle). For a given q it is a quadratic in
-// the path position s, so the position of a step needs no search: s = (-B ± sqrt(B² - λ(|P0 - C|² -
-// R²))) / λ with λ = u·u, B = u·(P0 - C), and the sign of (P - C)·u, which changes only where the
-// actuator turns.
+// For a delta C is on the tower; for arms C is the elbow on its circle. For a given q the condition
+// is a quadratic in the path position s. So the position of a step needs no search:
+// s = (-B ± sqrt(B² - λ(|P0 - C|² - R²))) / λ with λ = u·u and B = u·(P0 - C). The sign is that of
+// (P - C)·u, which changes only where the actuator turns.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -18,13 +18,13 @@
 
 namespace passo {
 
-// The moving centre, R², and their first and second derivatives by q.
+// The centre, R², and their first and second derivatives with respect to q.
 struct Centre {
   double c[3], d[3], dd[3];
   double r2, r2d, r2dd;
 };
 
-// (±sqrt(square) - b) / λ, no less than `lo` and no more than `hi`.
+// (±sqrt(square) - b) / λ, limited to `lo` … `hi`.
 PASSO_INLINE double root_within(double b, double square, double inverse, double sign, double lo,
                                 double hi) {
   square = square > 0 ? square : 0;
@@ -47,8 +47,8 @@ PASSO_SIMD inline void sphere_roots(double* __restrict s, const double* __restri
   }
 }
 
-// The same for centres above each other, at heights c + dc j, of one R: `flat` is what X and Y add
-// to B, `across2` what they add to |P0 - C|².
+// Roots for centres one above the other, at heights c + dc j, with the same R. `flat`: part of B
+// from X and Y; `across2`: their part of |P0 - C|².
 PASSO_SIMD inline void lift_roots(double* __restrict s, int n, double z, double c, double dc,
                                   double uz, double flat, double across2, double r2, double lambda,
                                   double sign, double lo, double hi) {
@@ -60,18 +60,18 @@ PASSO_SIMD inline void lift_roots(double* __restrict s, int n, double z, double 
   }
 }
 
-// No position is less than the one before it.
+// Whether no position is smaller than the one before it.
 PASSO_SIMD inline bool ascending(const double* s, int n) {
   int falls = 0;
   for (int j = 1; j < n; ++j) falls |= s[j] < s[j - 1];
   return !falls;
 }
 
-// Kernel: void local(const double p[3], double out[3]), the point that moves with the nozzle,
-// affine in p; double value(const double local[3]), q or NaN; Centre centre(double q); double
-// sample_mm, the distance within which the actuator turns at most once; bool kLifts: C moves
-// straight up, to height q, and R is constant; otherwise void centres(double q, double dq, int n,
-// cx, cy, cz, r2), C and R² at in_fours(n) even positions.
+// Kernel: void local(const double p[3], double out[3]): the point that moves with the nozzle,
+// affine in p; double value(const double local[3]): q or NaN; Centre centre(double q); double
+// sample_mm: the distance within which the actuator turns at most once; bool kLifts: C moves
+// straight up, to height q, and R is constant. If kLifts is false: void centres(double q, double
+// dq, int n, cx, cy, cz, r2): C and R² at in_fours(n) positions with equal distances.
 template <class Kernel>
 class SphereSolver {
  public:
@@ -136,7 +136,8 @@ class SphereSolver {
       for (int j = 0; j < 3; ++j) p[j] = p0[j] + u[j] * s;
       return k.value(p);
     }
-    // (P - C)·u: its sign says which root applies; it is 0 where the actuator turns. Also q at s.
+    // Returns (P - C)·u and sets q at s. The sign of the result says which root applies. It is 0
+    // where the actuator turns.
     double turn(const Kernel& k, double s, double& q) const {
       double p[3];
       q = at(k, s, p);
@@ -145,7 +146,7 @@ class SphereSolver {
     }
   };
 
-  // Illinois method: keeps the root between both ends.
+  // Illinois method: the root stays between a and b.
   static double bracketed(const Kernel& k, const Line& line, double a, double b, double fa,
                           double fb) {
     for (int i = 0; i < 60 && b - a > 1e-10; ++i) {
@@ -169,7 +170,7 @@ class SphereSolver {
     return 0.5 * (a + b);
   }
 
-  // One stretch without a turn, from q0 to q1; returns q1.
+  // Adds the crossings of a part without a turn, from q0 to q1. Returns q1.
   static double piece(const Kernel& k, const Line& line, double lo, double hi, double q0, double q1,
                       double side, double per_unit, Crossings& out) {
     if (!(std::fabs(q0) < 1e9 && std::fabs(q1) < 1e9)) return q1;
@@ -179,7 +180,7 @@ class SphereSolver {
     size_t n = size_t(steps * dir), first = out.s.size();
     if (out.runs.empty() || out.runs.back().dir != dir) out.runs.push_back({int32_t(first), dir});
     const size_t room = size_t(in_fours(int(n)));
-    out.s.resize(first + room + 3);  // TimeLaw reads up to three after them
+    out.s.resize(first + room + 3);  // TimeLaw reads up to three elements past the end
     const double q = (double(k0) + 0.5 * dir) / per_unit, dq = dir / per_unit;
     const double sign = side > 0 ? 1 : -1, *p = line.p0, *u = line.u;
     double* s = out.s.data() + first;
@@ -196,13 +197,13 @@ class SphereSolver {
       sphere_roots(s, cx, cy, cz, r2, int(n), p[0], p[1], p[2], u[0], u[1], u[2], sign, lo, hi);
     }
     out.s.resize(first + n);
-    if (!ascending(s, int(n)))  // by rounding
+    if (!ascending(s, int(n)))  // because of rounding
       for (size_t j = 1; j < n; ++j) s[j] = std::max(s[j], s[j - 1]);
     return q1;
   }
 };
 
-// Lower intersection of three spheres of radii r about c.
+// The lower intersection of three spheres with centres c and radii r.
 inline bool trilaterate(const double c[3][3], const double r[3], double p[3]) {
   double ex[3], ey[3], ez[3], v[3], u = 0, i = 0, j = 0;
   for (int k = 0; k < 3; ++k) u += (c[1][k] - c[0][k]) * (c[1][k] - c[0][k]);

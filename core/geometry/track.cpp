@@ -9,11 +9,11 @@
 namespace passo {
 
 void Geometry::follow(int i, const Track& track, Followed& out) const {
-  constexpr double kFarthestMm = 1;  // an actuator turns twice within this, at most
+  constexpr double kFarthestMm = 1;  // within this an actuator turns at most twice
   out.reserve(track.n);
   auto place = [&](const double at[3], double& q) {
     const double found = inverse(i, at);
-    if (found == found) q = found;  // out of reach it waits
+    if (found == found) q = found;  // out of reach the actuator stays
   };
   auto speed = [&](const double at[3], const double v[3]) {
     const Path tangent{{at[0], at[1], at[2]}, {at[0] + v[0], at[1] + v[1], at[2] + v[2]}, 1};
@@ -42,7 +42,8 @@ void Geometry::follow(int i, const Track& track, Followed& out) const {
     const double s0 = speed(from, v0), s = speed(half, mean), s1 = speed(to, v1);
     out.q[k + 1] = q, out.v0[k] = s0, out.v1[k] = s1;
     out.middle[k] = middle;
-    // The fifth derivative bends the speed in the middle by seven times what it adds anywhere.
+    // The fifth derivative changes the speed in the middle by seven times the largest error of the
+    // position.
     const double off = s - 1.5 * (q - before) / d + 0.25 * (s0 + s1);
     const bool far = std::max(way0, way1) * d * d > kFarthestMm * kFarthestMm;
     out.error[k] = far ? kInfinity : 0.5 * std::fabs(off) * d;

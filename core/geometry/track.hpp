@@ -1,4 +1,4 @@
-// A path of the nozzle in time, and the position of one actuator along it.
+// The path of the nozzle in time, and the position of one actuator along it.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -7,14 +7,14 @@
 
 namespace passo {
 
-// Between breakpoints j and j + 1 each of X, Y and Z is a quadratic of time, or a cubic. Speeds are
-// those within the interval, as they may jump at a breakpoint. No interval has the length 0.
+// X, Y and Z are quadratics or cubics of time between breakpoints j and j + 1. Speeds are those
+// within the interval, because they may jump at a breakpoint. No interval has length 0.
 struct Track {
-  size_t n = 0;                       // intervals
-  bool cubic = false;                 // some may be cubics
+  size_t n = 0;                       // number of intervals
+  bool cubic = false;                 // some intervals may be cubics
   UnsetDoubles t, p[3];               // of n + 1 breakpoints: ticks, mm
-  UnsetDoubles v0[3], v1[3];          // of n intervals, at begin and end: mm/tick
-  static constexpr size_t kRoom = 8;  // loops that take four at a time read past the end
+  UnsetDoubles v0[3], v1[3];          // of n intervals, at start and end: mm/tick
+  static constexpr size_t kRoom = 8;  // loops over four elements read past the end
 
   void reserve(size_t intervals) {
     const size_t wanted = intervals + kRoom;
@@ -23,18 +23,18 @@ struct Track {
     for (int j = 0; j < 3; ++j)
       for (auto* x : {&p[j], &v0[j], &v1[j]}) x->resize(wanted);
   }
-  // Makes the elements past the end valid numbers.
+  // Fills the elements past the end with valid numbers.
   void finish() {
     for (size_t i = n; i < n + kRoom - 1; ++i) {
       t[i + 1] = t[n];
       for (int j = 0; j < 3; ++j) p[j][i + 1] = p[j][n], v0[j][i] = v1[j][i] = 0;
     }
   }
-  // The coefficient of u^3 of slot k in interval j, with u from 0 to 1 in it.
+  // Coefficient of u^3 of slot k in interval j, where u goes from 0 to 1.
   double third(size_t k, size_t j) const {
     return (t[j + 1] - t[j]) * (v0[k][j] + v1[k][j]) - 2 * (p[k][j + 1] - p[k][j]);
   }
-  // Becomes `parts` even parts of interval j of another track.
+  // Sets this track to interval j of another one, divided into equal parts.
   void divide(const Track& of, size_t j, size_t parts) {
     reserve(parts);
     n = parts;
@@ -57,8 +57,8 @@ struct Track {
   }
 };
 
-// Of one actuator, in its unit: its position at each breakpoint and in the middle of each interval,
-// and its speeds at both ends. `error` is the maximum distance between the true position and the
+// Motion of one actuator in its unit: positions at the breakpoints and in the middle of the
+// intervals, and speeds at both ends of the intervals. `error` is the maximum distance from the
 // polynomial of degree four through these values.
 struct Followed {
   UnsetDoubles q, middle, v0, v1, error;
@@ -69,8 +69,8 @@ struct Followed {
   }
 };
 
-// The fifth derivative times d^5 bounds the distance to that polynomial by this: with x from 0 to 1
-// it is 1/120 of x^2 (x - 1/2) (x - 1)^2, which is 1 / (50 sqrt 5) at most.
+// The distance from that polynomial is at most this times the fifth derivative times d^5. With x
+// from 0 to 1 it is 1/120 of x^2 (x - 1/2) (x - 1)^2, which is at most 1 / (50 sqrt 5).
 inline constexpr double kQuarticError = 7.4536e-5;
 
 }  // namespace passo
