@@ -92,7 +92,7 @@ void Commits::divide(int64_t clock) {
       first.end_clock = start + m.span(done);
       for (Message& a : ahead) {
         if (a.kind == MessageKind::reset_clock) renew_[m.target] = false;
-        a.end_clock = first.end_clock;  // it goes with the steps after it
+        a.end_clock = first.end_clock;  // it is sent with the steps after it
         within_.push_back(a);
       }
       ahead.clear();
@@ -119,7 +119,7 @@ void Commits::advance(int64_t known, int64_t end, const std::vector<int64_t>& or
   for (;;) {
     int64_t begin = points_.back().clock;
     if (points_.back().rest) {
-      // Messages before any motion need no commit.
+      // Messages before the first motion need no commit.
       for (; waiting_.next_clock() < known && waiting_.front().kind == MessageKind::pin;
            waiting_.pop())
         out(waiting_.front());
@@ -151,7 +151,8 @@ void Commits::commit(int64_t clock, bool rest, const std::vector<int64_t>& origi
                      const Out& out) {
   Point p{++serial_, clock, rest, braking ? length_of(moves_) : 0};
   divide(clock);
-  // A link hands each out when its end is near enough: none may wait for one that lasts longer.
+  // The link sends a message when its end is near enough. Sorted by end, no message waits for one
+  // that lasts longer.
   std::stable_sort(within_.begin(), within_.end(),
                    [](const Message& a, const Message& b) { return a.end_clock < b.end_clock; });
   for (const Message& m : within_) out(m);
@@ -193,8 +194,8 @@ void Commits::tail(int64_t clock, const std::vector<int64_t>& origin, const Out&
   const double end = solve_tail(clock);
   for (Compressor& c : compressors_) {
     c.advance(end, true, clock);
-    // None of it is ever revoked: whether the clock must be set again is known here, for messages
-    // that do not wait.
+    // A tail is never revoked. Tail messages do not wait, so the compressor may forget at once
+    // which clocks it has set.
     c.forget_resets(kNoMessage);
     for (; !c.messages().empty(); c.messages().pop()) {
       Message m = c.messages().front();

@@ -15,7 +15,7 @@ Compressor::Compressor(const Machine& machine, const StepperSpec& spec, uint16_t
       longest_(kMaxSeconds * machine.clock_hz), lead_(kLeadSeconds * machine.clock_hz),
       margin_(std::max(reversal_, 4 * machine.widest_tolerance()) + 1), target_(target),
       stabbing_(std::make_unique<Stabbing>()) {
-  steps_.ticks.push_back(-kNeverNear);  // stands for the step before the first
+  steps_.ticks.push_back(-kNeverNear);  // in place of a step before the first one
 }
 
 Compressor::~Compressor() = default;
@@ -31,7 +31,7 @@ void Compressor::advance(double frontier, bool still, int64_t behind) {
     while (known > 1 && steps_.ticks[known - 1] > limit) --known;
   }
   if (known > 1) forget(compress_all(known, frontier, still));
-  // The next move may begin at the very clock of the last step, and take it back.
+  // The next move may start at the clock of the last step, and reverse it.
   if (still) crowded_ = true;
 }
 
@@ -129,7 +129,7 @@ void Compressor::set_apart() {
 
 inline size_t Compressor::compress_all(size_t known, double frontier, bool still) {
   const size_t n = steps_.ticks.size();
-  // After a stop the next step may be due at once, and is then set apart from the last one.
+  // After a stop the next step may be due at once. Then set_apart() delays it.
   steps_.ticks.push_back(still ? steps_.ticks.back() + apart() : 1e18);
   size_t done = 1;
   for (bool last = false; !last;) {
@@ -179,7 +179,7 @@ inline void Compressor::narrow(size_t k, double half) {
 inline size_t Compressor::compress(size_t i, size_t known, bool last, double frontier, bool still) {
   const double* t = steps_.ticks.data();
   const size_t size = steps_.ticks.size() - 1;
-  double before = double(last_);  // a number of its own: each search waits for it
+  double before = double(last_);  // local: each search depends on it
   for (size_t r = 0; r < steps_.runs.size() && i < known; ++r) {
     bool last_run = r + 1 == steps_.runs.size();
     size_t run_end = last_run ? size : steps_.runs[r + 1].first;
@@ -189,7 +189,8 @@ inline size_t Compressor::compress(size_t i, size_t known, bool last, double fro
       if (!last && end == known && end - i < size_t(kMaxSteps)) return check(i);
       if (resets(t[i])) {
         reset_clock(t[i]);
-        double& lo = lo_[i - base_];  // may reach over the new clock, as the step before is far
+        double& lo = lo_[i - base_];  // its window may start before the new clock, because the last
+                                      // step was long ago
         before = double(last_);
         lo = std::max(lo, before + 1);
       }

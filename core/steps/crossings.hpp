@@ -1,5 +1,6 @@
-// When a smooth function of time crosses given values: first the stretches in which it only rises
-// or only falls, then in each the roots, which a bracket holds.
+// Finds when a smooth function of time crosses given values. It first divides the time into
+// intervals in which the function only rises or only falls, and then finds the roots in each by a
+// bracket.
 //
 // Curve: double value(double t) and double slope(double t), its derivative.
 #pragma once
@@ -9,10 +10,10 @@
 
 namespace passo {
 
-// Appends to `turns` the times in (a, b) at which the curve turns, in order, and b. A stretch is
-// halved until the cubic of the values and slopes at its ends agrees with the curve to `exact`, at
-// a third and at two thirds: for polynomials up to degree 5 a proof, else by the curve's
-// smoothness. The turns of that cubic are then sought in the curve's own slope.
+// Appends the times in (a, b) at which the curve turns, in order, and then b. An interval is halved
+// until the cubic through the values and slopes at its ends matches the curve within `exact` at one
+// third and at two thirds. For polynomials up to degree 5 that proves the match; for other curves
+// it relies on their smoothness. Then the turns are searched in the slope of the curve itself.
 template <class Curve>
 class Turns {
  public:
@@ -44,8 +45,8 @@ class Turns {
       halve(middle, b, depth + 1);
       return;
     }
-    // Where the cubic's slope is steepest it has at most one turn to either side, also if it begins
-    // or ends without speed.
+    // The cubic turns at most once on each side of its steepest point, also if its slope is 0 at an
+    // end.
     double rise = b.value - a.value, square = 3 * rise - 2 * va - vb, cube = va + vb - 2 * rise;
     double steepest = -square / (3 * cube);
     if (steepest > 0 && steepest < 1) {
@@ -70,11 +71,12 @@ class Turns {
   }
 };
 
-// Where the curve, which only rises (dir 1) or only falls (dir -1) from a to b, crosses `value`;
-// an end of the stretch if it stays short of it by rounding. Newton's method, kept in a bracket.
+// The time at which a curve that only rises (dir 1) or only falls (dir -1) crosses `value` between
+// a and b. If rounding keeps the curve from reaching the value, returns the nearer end. Uses
+// Newton's method within a bracket.
 template <class Curve>
 double crossing(const Curve& curve, double value, double dir, double a, double b) {
-  constexpr double kNear = 1e-13;  // s: a millionth of a tick
+  constexpr double kNear = 1e-13;  // s, a millionth of a tick
   double at_a = dir * (curve.value(a) - value);
   if (!(at_a < 0)) return a;
   if (!(dir * (curve.value(b) - value) > 0)) return b;

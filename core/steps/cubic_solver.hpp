@@ -9,14 +9,14 @@
 
 namespace passo {
 
-// Roots are found a block at a time: s x + b x^2 + c x^3 = y on 0..1, from the slower end of a
-// stretch without a turn; the step is at base + way * x.
+// Finds the roots of s x + b x^2 + c x^3 = y on 0..1, a block at a time. x = 0 is the slower end of
+// an interval without a turn. The step is at base + way * x.
 class CubicSolver {
  public:
   void into(Steps& out, TimedTolerances& tolerances) { out_ = &out, tolerances_ = &tolerances; }
 
-  // The position c0 + c1 x + c2 x^2 + c3 x^3 on 0..1, from the last step count on, with `end` at 1.
-  // From t0 on for d ticks; n net steps.
+  // Adds the interval that starts at t0 and lasts d ticks. The position is c0 + c1 x + c2 x^2 + c3
+  // x^3 on 0..1, relative to the last step count, and `end` at x = 1. It contains n net steps.
   void cubic(double t0, double d, double c0, double c1, double c2, double end, double n) {
     const double c3 = end - c0 - c1 - c2, dir = n < 0 ? -1 : 1;
     const double s0 = c1 * dir, s1 = s0 + 2 * c2 * dir + 3 * c3 * dir;
@@ -24,7 +24,7 @@ class CubicSolver {
       rising(t0, d, c0, end, s0, s1, c2 * dir, c3 * dir, n, dir);
       return;
     }
-    // Its turns, two at most; between them it only rises or only falls.
+    // Splits the interval where the cubic turns, which is at most twice.
     double x[4] = {0, 1, 1, 1};
     int parts = 1;
     const double A = 3 * c3, B = c2, D = B * B - A * c1;  // A x^2 + 2 B x + c1 = 0
@@ -67,7 +67,7 @@ class CubicSolver {
 
  private:
   static constexpr size_t kBlock = 512;
-  static constexpr double kLastStep = 2.5e-4;  // of x: Halley's next step would be its cube
+  static constexpr double kLastStep = 2.5e-4;  // of x; the error of the next step would be its cube
   double base_[kBlock], way_[kBlock], s_[kBlock], b_[kBlock], c_[kBlock], y_[kBlock], x_[kBlock],
       off_[kBlock];
   int dir_[kBlock];
@@ -75,8 +75,8 @@ class CubicSolver {
   Steps* out_ = nullptr;
   TimedTolerances* tolerances_ = nullptr;
 
-  // Two of Halley's steps from the root of the quadratic that has the cubic's ends; off > 0: the
-  // last step was too long to be the last.
+  // Two steps of Halley's method, starting with the root of the quadratic that has the same values
+  // and slopes at the ends. off > 0: the second step was too large to be the last one.
   PASSO_SIMD static void halley(CubicSolver& o, int n) {
     for (int i = 0; i < in_fours(n); ++i) {
       const double s = o.s_[i], b = o.b_[i], c = o.c_[i], y = o.y_[i];
@@ -105,7 +105,8 @@ class CubicSolver {
     }
     return x;
   }
-  // A stretch without a turn, in the direction `dir`; speeds at both ends.
+  // Adds the steps of an interval without a turn, in direction `dir`. s0 and s1 are the speeds at
+  // its ends.
   void rising(double t0, double d, double from, double to, double s0, double s1, double c2,
               double c3, double n, double dir) {
     const bool up = s0 <= s1;

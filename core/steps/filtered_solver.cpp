@@ -26,7 +26,7 @@ void FilteredSolver::add(const Move& m, double until) {
   const bool idle = spec_.drive == Drive::extruder && m.extruder != spec_.index;
   if (idle && !going_) return;
   if (!going_) {
-    // At rest: filters, scales and the height map may have changed since.
+    // At standstill: filters, scales and the height map may have changed.
     delay_ = machine_.filters.delay(machine_.clock_hz);
     law_.follow(machine_, spec_, nozzle_.track());
     law_.begin(m);
@@ -88,7 +88,7 @@ void FilteredSolver::solve(const std::vector<Move>& moves, double known, bool la
     backlash_.rest();
     of.set_lead(resting_lead(of));
   }
-  // Sums of several axes are rounded otherwise than the plan's position.
+  // Sums over several axes round differently from the plan's position.
   const int64_t target = of.count_at(goal_), left = target - of.count();
   if (left == 0) return;
   const size_t n = size_t(std::abs(left));
@@ -114,7 +114,8 @@ int64_t FilteredSolver::resting_lead(StepSolver& of) const {
   return std::clamp(steps_.count() - of.count_at(goal_), low, high);
 }
 
-// After a cut: what was due before it comes at once, and what was done before it is left out.
+// After a cut: steps that were due before it come at once. Steps that were executed too early are
+// left out.
 void FilteredSolver::pay(Steps& steps, Steps& out) {
   for (size_t r = 0; r < steps.runs.size(); ++r) {
     size_t first = steps.runs[r].first;

@@ -9,24 +9,27 @@
 
 namespace passo {
 
-// A block of intervals in arrays: what they have in common is calculated four at a time, then the
-// steps of each, four at a time too. Step k is where the position crosses k - 1/2.
+// Collects a block of intervals in arrays. It calculates the coefficients of four intervals at a
+// time, then the steps of each interval, also four at a time. Step k is at the time when the
+// position crosses k - 1/2.
 //
-// With y the distance from the slower end of an interval, h half of the speed there and c half of
-// the acceleration in the direction of the steps, the time is y / (h + sqrt(h^2 + c y)). It has
-// two forms that need no division for each step, with r = c y / h^2 at the faster end:
-//   r >= kBent: sqrt(h^2 + c y) / c - h / c: a root alone; what cancels is 1 / kBent at most
-//   r <  kBent: the series in y up to r^5 (Catalan's numbers), of which 132 (r/4)^6 is left, 5e-13
+// Let y be the distance from the slower end of an interval, h half the speed there, and c half the
+// acceleration in the direction of the steps. Then the time is y / (h + sqrt(h^2 + c y)). Two other
+// forms need no division for each step. Which one applies depends on r = c y / h^2 at the faster
+// end:
+//   r >= kBent: sqrt(h^2 + c y) / c - h / c; the difference loses a factor of at most 1 / kBent
+//   r <  kBent: the series in y up to r^5 (Catalan numbers); its error 132 (r/4)^6 is at most 5e-13
 class IntervalSolver {
  public:
-  // From a standstill at q steps on, or from any position and clock.
+  // Starts at clock t and position q, in steps.
   void begin(double t, double q) {
     t_[0] = t, q_[0] = q;
     used_ = 0;
   }
-  // From the end of the one before. Speeds are those within the interval. With x from 0 to 1 in it
-  // and y = x (x - 1), y (odd (x - 1/2) + even y) steps are added to the quadratic, which has no
-  // turn then: so few that one step of Newton's method from its times is enough.
+  // Adds an interval from the end of the last one. Speeds are those within the interval. `odd` and
+  // `even` bend the quadratic: with x from 0 to 1 and y = x (x - 1), y (odd (x - 1/2) + even y)
+  // steps are added. Then the interval has no turn, and the bend is so small that one step of
+  // Newton's method is exact enough.
   void add(double t, double q, double speed0, double speed1, double accel, double odd = 0,
            double even = 0) {
     t_[used_ + 1] = t, q_[used_ + 1] = q;
@@ -37,19 +40,19 @@ class IntervalSolver {
   void flush() {
     if (used_ > 0) flush_all();
   }
-  // The output of the steps.
+  // Sets where the steps go.
   void into(Steps& out, TimedTolerances& tolerances) { out_ = &out, tolerances_ = &tolerances; }
-  // Steps from 0 to the end of the last interval.
+  // Step count at the end of the last interval.
   int64_t count() const { return int64_t(std::floor(q_[used_] + 0.5)); }
 
  private:
   static constexpr size_t kBlock = 256, kSize = kBlock + 8;
   static constexpr double kBent = 1.0 / 64;
 
-  double t_[kSize], q_[kSize];  // of the begins
+  double t_[kSize], q_[kSize];  // at the start of each interval
   double v0_[kSize], v1_[kSize], a_[kSize], odd_[kSize], even_[kSize];
   double count_[kSize], steps_[kSize], dir_[kSize], y0_[kSize];
-  double k_[7][kSize], kind_[kSize];  // kind_: 0 no step, 1 series, 2 root, 3 a turn
+  double k_[7][kSize], kind_[kSize];  // kind_: 0 no step, 1 series, 2 root, 3 turn
   size_t used_ = 0;
   Steps* out_ = nullptr;
   TimedTolerances* tolerances_ = nullptr;
@@ -83,8 +86,7 @@ class IntervalSolver {
       s.kind_[i] = s.v0_[i] * s.v1_[i] < 0 ? 3.0 : any;
     }
   }
-  // A root that rounding moves beyond an end of the interval, or out of a standstill, is put at
-  // that end.
+  // Rounding may move a root out of the interval; then the nearer end is used.
   PASSO_SIMD static void series(double* __restrict t, int n, const double* k, double y0, double low,
                                 double high) {
     const double k0 = k[0], k1 = k[kSize], k2 = k[2 * kSize], k3 = k[3 * kSize], k4 = k[4 * kSize],
@@ -143,7 +145,7 @@ class IntervalSolver {
     used_ = 0;
   }
 
-  // The speed changes its sign: to the turn, then from it, both from the turn outward.
+  // An interval with a turn: the steps before the turn, then those after it.
   void turn(size_t i) {
     const double u = -v0_[i] / a_[i], top = q_[i] + 0.5 * v0_[i] * u, at = t_[i] + u;
     const double middle = std::floor(top + 0.5);

@@ -1,4 +1,4 @@
-// The steps of a motor's law, from its parts.
+// The steps of a motor, found from the parts of its law.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -13,12 +13,12 @@
 
 namespace passo {
 
-// The sink of a law: each kind of part goes to the solver that finds its steps.
+// The sink of a law: passes each kind of part to the solver for its steps.
 class LawSteps {
  public:
   LawSteps(const Machine& machine, const StepperSpec& spec) : machine_(machine), spec_(spec) {}
 
-  // The parts that follow are of this kind. Only at rest.
+  // Sets the kind of the parts that follow. Call this only at standstill.
   void expect(PartKind parts) {
     parts_ = parts;
     if (parts == PartKind::quadratics && !intervals_)
@@ -26,12 +26,12 @@ class LawSteps {
     if (parts == PartKind::cubics && !cubics_) cubics_ = std::make_unique<CubicSolver>();
     if (parts == PartKind::pieces) pieces_ = std::make_unique<PieceSolver>(machine_, spec_);
   }
-  // They begin at the clock t and the position q.
+  // The parts start at clock t and position q.
   void begin(double t, double q) {
     if (parts_ == PartKind::quadratics) return intervals_->begin(t, q);
     count_ = std::floor(q + 0.5);
   }
-  // The output of the steps.
+  // Sets where the steps go.
   void into(Steps& out, TimedTolerances& tolerances) {
     if (parts_ == PartKind::quadratics) return intervals_->into(out, tolerances);
     if (parts_ == PartKind::cubics) return cubics_->into(out, tolerances);
@@ -41,7 +41,7 @@ class LawSteps {
     if (parts_ == PartKind::quadratics) return intervals_->flush();
     if (parts_ == PartKind::cubics) cubics_->flush();
   }
-  // Steps from 0 to the end of the last part.
+  // Step count at the end of the last part.
   int64_t count() const {
     return parts_ == PartKind::quadratics ? intervals_->count() : int64_t(count_);
   }
@@ -56,7 +56,7 @@ class LawSteps {
   void cubic(double t, double d, double q, double v, double a, double, double end, double) {
     const double c0 = q - count_, c1 = v * d, c2 = 0.5 * a * d * d, to = end - count_;
     const double n = std::floor(to + 0.5);
-    // If the four Bezier values are within one step, the interval has no step.
+    // If the four Bezier values are less than half a step from the count, the interval has no step.
     const double b1 = c0 + c1 * (1.0 / 3), b2 = c0 + (2 * c1 + c2) * (1.0 / 3);
     if ((n == 0) & (b1 < 0.5) & (b2 < 0.5) & (b1 > -0.5) & (b2 > -0.5)) return;
     counted(t, d, c0, c1, c2, to, n);
@@ -78,7 +78,7 @@ class LawSteps {
   std::unique_ptr<IntervalSolver> intervals_;
   std::unique_ptr<CubicSolver> cubics_;
   std::unique_ptr<PieceSolver> pieces_;
-  double count_ = 0;  // of cubics and pieces
+  double count_ = 0;  // step count, used for cubics and pieces
   Steps* out_ = nullptr;
   TimedTolerances* tolerances_ = nullptr;
 };

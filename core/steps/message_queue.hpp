@@ -1,4 +1,4 @@
-// Messages of one board between the planner's side and the link, in the order in which they leave.
+// The messages of one board from the planner to the link, in the order in which they are sent.
 #pragma once
 #include <algorithm>
 #include <atomic>
@@ -15,7 +15,8 @@ namespace passo {
 
 inline constexpr int64_t kNoMessage = std::numeric_limits<int64_t>::max();
 
-// A ring that grows. One thread at a time may use it; once it is shared, the thread that holds it.
+// A ring buffer that grows. Only one thread at a time may use it. After share(), a thread must
+// hold() it.
 class MessageQueue {
  public:
   MessageQueue() : ring_(kSmallest) {}
@@ -25,11 +26,12 @@ class MessageQueue {
     if (tail_ - kept_ > mask_) grow();
     ring_[tail_++ & mask_] = message;
   }
-  // Inserts before all waiting messages. Only if no messages are kept.
+  // Inserts before all waiting messages. Allowed only if no messages are kept.
   void push_front(const Message& message);
   // Inserts after all messages whose clocks are not later.
   void insert(const Message& message);
-  // A pin's value, as insert(); another value of it at the same clock would never be seen.
+  // Inserts the value of a pin like insert(). Replaces an earlier value of the pin at the same
+  // clock, which would have no effect.
   void set_pin(const Message& message);
   const Message& operator[](size_t i) const { return at(head_ + i); }
   const Message& front() const { return (*this)[0]; }
@@ -44,30 +46,29 @@ class MessageQueue {
       --commits_;
     }
   }
-  // From here on keeps the messages of this number of commits, for rewind().
+  // From now on keeps the messages of this number of commits, so that rewind() can go back to them.
   void keep(size_t commits);
-  // The index of the first message after this commit, among the messages taken. Nothing if the
-  // commit was taken too long ago, or not at all. kFirst: the first message since keep().
+  // The index of the first message after this commit, among the messages taken. Returns nothing if
+  // the commit was not taken, or is no longer kept. kFirst: the first message since keep().
   static constexpr int64_t kFirst = -1;
   std::optional<size_t> behind(int64_t serial) const;
-  // All messages from that index on will be taken again. The messages taken before ended at
-  // `clock`.
+  // Messages from index `begin` on will be taken again. Those before it ended at `clock`.
   void rewind(size_t begin, int64_t clock);
-  // All kept and all waiting messages, in their order.
+  // Visits all kept and all waiting messages in their order.
   template <typename Visit>
   void visit(Visit&& visit) const {
     for (size_t i = kept_; i != tail_; ++i) visit(at(i));
   }
-  // Latest end of all messages taken so far: they can no longer be revoked.
+  // Latest end of all messages taken so far. They cannot be revoked any more.
   int64_t taken_until() const { return taken_until_; }
-  // From now on a link's thread takes messages while others add and revoke them.
+  // From now on a link's thread takes messages while other threads add and revoke them.
   void share() { guard_->shared = true; }
-  // If the queue is shared, locks it and all joined queues for the caller, while the result exists.
+  // Locks the queue and all joined queues while the result exists, if they are shared.
   std::unique_lock<std::recursive_mutex> hold() {
     return guard_->shared ? std::unique_lock(guard_->mutex)
                           : std::unique_lock(guard_->mutex, std::defer_lock);
   }
-  // From now on one lock covers both queues. Call it before either is used.
+  // From now on both queues have the same lock. Call this before either is used.
   void join(MessageQueue& other) { guard_ = other.guard_; }
   void clear() { tail_ = head_; }
 
@@ -76,14 +77,13 @@ class MessageQueue {
   void grow();
   static constexpr size_t kSmallest = 256;  // fits into the first-level cache
   std::vector<Message> ring_;               // its size is a power of two
-  size_t mask_ = kSmallest - 1;             // size less one
+  size_t mask_ = kSmallest - 1;             // size minus one
   size_t kept_ = 0, head_ = 0, tail_ = 0;
-  size_t first_ = 0;  // of the messages after keep()
+  size_t first_ = 0;  // first message since keep()
   int64_t taken_until_ = 0;
-  size_t keeps_ = 0, commits_ = 0;  // commits from kept_ to head_
+  size_t keeps_ = 0, commits_ = 0;  // number of commits between kept_ and head_
   struct Guard {
-    std::recursive_mutex mutex;  // recursive: cutting a plan passes messages on while it holds the
-                                 // lock
+    std::recursive_mutex mutex;  // recursive: a cut passes messages on while it holds the lock
     std::atomic<bool> shared{false};
   };
   std::shared_ptr<Guard> guard_ = std::make_shared<Guard>();

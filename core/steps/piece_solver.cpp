@@ -33,7 +33,8 @@ struct PieceSolver::Straight {
   double value(double t) const { return Piece::at(k, t); }
   double slope(double t) const { return Piece::slope_at(k, t); }
 };
-// The same by the geometry's inverse, above one cell of the bed; none: the bed is flat.
+// The same for nonlinear geometries and bed correction. `bed`: the correction within one cell of
+// the height map; by default the bed is flat.
 struct PieceSolver::Curved {
   const PieceSolver& s;
   const Piece& p;
@@ -43,7 +44,7 @@ struct PieceSolver::Curved {
     at[kZ] += bed.at(at[kX], at[kY], at[kZ]);
     return s.machine_.geometry->inverse(s.spec_.index, at) * s.spec_.steps_per_unit;
   }
-  // By path position along the tangent, which passes one unit in a second.
+  // Slope along the tangent, on which the nozzle moves by one unit per second.
   double slope(double t) const {
     double x = p.position(kX, t), y = p.position(kY, t), plan_z = p.position(kZ, t);
     double vx = p.speed(kX, t), vy = p.speed(kY, t), vz = p.speed(kZ, t);
@@ -96,7 +97,7 @@ bool PieceSolver::rests(const double* from, const double* to, int64_t count) con
     if (map.index(j, from[j]) != map.index(j, to[j])) return false;
   const double z = from[kZ];
   const HeightMap::Lift lift = map.lift(from[kX], from[kY], z);
-  // A bilinear function is least and greatest at corners of a rectangle.
+  // A bilinear function has its minimum and maximum at corners of a rectangle.
   for (double x : {from[kX], to[kX]})
     for (double y : {from[kY], to[kY]}) {
       double q = row_[kX] * x + row_[kY] * y + row_[kZ] * (z + lift.at(x, y, z));
@@ -119,8 +120,8 @@ int64_t PieceSolver::solve(const Piece& p, int64_t count, int64_t target, bool e
     for (size_t i = 1; i < lines_.size(); ++i) {
       double middle = 0.5 * (lines_[i - 1] + lines_[i]);
       Curved curve{*this, p, lift_at(p, middle)};
-      // A straight motor above one cell follows t to the fourth power, if the piece is a move's; in
-      // a fade to the third, if its speed is even, and to the sixth, if not.
+      // Above one cell, the position of a linear motor is a polynomial of degree 4 in t, if the
+      // piece is part of a move. In a fade the degree is 3 at constant speed, and 6 otherwise.
       bool fades = curve.bed.factor.by_z != 0 && p.speed(kZ, middle) != 0;
       int n = straight_ && p.degree() <= (fades ? 1 : 2) ? 1 : parts(p);
       count = solve_along(curve, p, &lines_[i - 1], n, count, out);
@@ -144,7 +145,7 @@ void PieceSolver::check(const Piece& p) const {
       q = curve.value(t), rate = curve.slope(t);
     }
     q /= spec_.steps_per_unit;
-    // Written so that a position that is none fails too.
+    // This comparison also fails for NaN.
     if (!(q >= spec_.min - 1e-6 && q <= spec_.max + 1e-6))
       throw std::invalid_argument("a piece leaves the reach of stepper " + spec_.name);
     if (!(std::fabs(rate) <= spec_.max_rate))
@@ -202,7 +203,7 @@ void check_pieces(const Machine& machine, const std::vector<Piece>& pieces, cons
     for (int j = 0; j < kAxes; ++j) {
       bool first = &p == pieces.data() && p.extruder < machine.extruders.size();
       double before = j == kE && first ? filament : from[j];
-      // Written so that numbers that are none fail too.
+      // This comparison also fails for NaN.
       if (!(std::fabs(p.c[j][0] - before) <= kPieceJoint))
         throw std::invalid_argument("a piece does not start where the one before it ends");
       if (!(std::fabs(p.position(j, p.seconds) - p.end[j]) <= kPieceJoint))

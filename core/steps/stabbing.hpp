@@ -1,11 +1,11 @@
-// The longest (interval, count, add) that keeps every step inside its window.
+// Finds the longest command (interval, count, add) that keeps every step within its window.
 //
 // Step m (0-based) of a command is executed (m+1) I + m(m+1)/2 A ticks after the step before the
-// command. Divided by m+1 that is the line I + A x at x = m/2, which must stab the vertical
+// command. Divided by m+1 this is the line I + A x at x = m/2. It must cross all the vertical
 // segments [lo_m, hi_m] / (m+1): the stabbing-line problem (O'Rourke, "An on-line algorithm for
-// fitting straight lines between data ranges", 1981). Over the first steps the range of possible
-// slopes is kept exactly, from all pairs of segments, four at a time; when it holds but few
-// integers, each of these is tried to its end.
+// fitting straight lines between data ranges", 1981). For the first steps the search keeps the
+// exact range of possible slopes, from all pairs of segments, four at a time. When the range
+// contains only a few integers, it tries each of them as far as it goes.
 #pragma once
 #include <stdexcept>
 
@@ -19,7 +19,7 @@ struct Command {
   int count;
   double interval, add;  // integers
 
-  // Duration of its steps in ticks, an integer. Throws if a board would refuse the command.
+  // Duration in ticks, an integer. Throws if a board would refuse the command.
   double span() const {
     const double n = count;
     if (interval < 1 || interval + add * (n - 1) < 1 || interval > 0x7fffffff)
@@ -28,18 +28,18 @@ struct Command {
   }
 };
 
-// Errors of executed steps: the largest, the sum of their squares, and by how much the worst of
-// them is beyond its window (less than 0: none is).
+// Errors of executed steps: the largest, the sum of squares, and the largest distance outside of a
+// window. The last one is negative if all steps are within their windows.
 struct Errors {
   double largest = 0, square = 0, beyond = -1;
 };
 
-inline constexpr int kMaxSteps = 4096;  // steps at most, of the protocol's 65535
+inline constexpr int kMaxSteps = 4096;  // limit here; the protocol allows 65535
 
 struct StabbingTables {
   double reciprocal[kMaxSteps + 4] = {};  // [i] = 1/i
   double halves[24] = {};                 // 0, ½, 1 …
-  double beyond[8] = {};                  // 0, 0, 0, 0, then far away
+  double beyond[8] = {};                  // 0 four times, then a large number
   double counts[4] = {1, 2, 3, 4};
   double triangles[4] = {0, 1, 3, 6};  // m(m + 1)/2
   constexpr StabbingTables() {
@@ -50,7 +50,7 @@ struct StabbingTables {
 };
 inline constexpr StabbingTables kStabbing;
 
-// The code after the blocks is a separate function, so that each can use all registers.
+// The code after the blocks is a separate function, so that both can use all registers.
 namespace pairs {
 using Vector = Lanes;
 #define PASSO_SEARCH_INLINE PASSO_INLINE
@@ -73,10 +73,11 @@ using Vector = WideLanes;
 
 class Stabbing {
  public:
-  // lo[m] ≤ time of step m ≤ hi[m], each window holding an integer; `last` is the integer time of
-  // the step before. Returns a command of 1 ≤ count ≤ n ≤ kMaxSteps; when its steps come goes to
-  // `executed`. All three arrays must extend to the next multiple of four after n; there `lo` and
-  // `hi` may be any numbers, and `executed` may be overwritten.
+  // Finds the longest command for n steps, n ≤ kMaxSteps. Step m must be executed at an integer
+  // time from lo[m] to hi[m], and each window must contain an integer. `last` is the time of the
+  // step before. The times of the command's steps are written to `executed`. All three arrays must
+  // extend to the next multiple of four after n. There `lo` and `hi` may contain any numbers, and
+  // `executed` may be overwritten.
   Command longest(const double* lo, const double* hi, int n, double last, double* executed) {
 #if defined(PASSO_CHOOSES)
     return has_avx2_ ? longest_avx2(lo, hi, n, last, executed)
@@ -86,7 +87,7 @@ class Stabbing {
 #endif
   }
 
-  // Of n steps executed so, whose ideal times are `t` and whose windows are lo…hi.
+  // Errors of n executed steps with the ideal times t and the windows lo … hi.
   Errors errors(const double* t, const double* lo, const double* hi, const double* executed,
                 size_t n) const {
 #if defined(PASSO_CHOOSES)

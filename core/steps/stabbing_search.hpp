@@ -1,15 +1,15 @@
-// The search for the longest command, a class. Included once for each kind of vectors, which are
-// Vector, with PASSO_SEARCH_INLINE or PASSO_SEARCH_APART as attribute of all that handles them: the
-// compiler wants to know at each function for which CPUs it is.
+// The class that searches the longest command. It is included once for each kind of vector, with
+// Vector as its name. PASSO_SEARCH_INLINE and PASSO_SEARCH_APART are the attributes of its
+// functions, because the compiler must know for which CPU each function is.
 class Search {
  public:
-  // As Stabbing::longest.
+  // See Stabbing::longest.
   PASSO_SEARCH_INLINE Command longest(const double* lo, const double* hi, int n, double last,
                                       double* executed) {
     return block<0>(lo, hi, n, last, executed, Vector(kFar), Vector(-kFar));
   }
 
-  // As Stabbing::errors.
+  // See Stabbing::errors.
   PASSO_SEARCH_INLINE static Errors errors(const double* t, const double* lo, const double* hi,
                                            const double* executed, size_t n) {
     Vector largest(0), square(0), beyond(-1);
@@ -35,19 +35,20 @@ class Search {
  private:
   static constexpr int kPairs = 24;
   static constexpr double kFar = 1e300;
-  static constexpr double kSlack =
-      1e-9;  // ticks: rounding of the divided bounds; × count, the most a step may be out
+  static constexpr double kSlack = 1e-9;  // ticks, tolerance of the divided bounds; times `count`
+                                          // it is the maximum error of a step
   static constexpr double kMinAdd = -32768, kMaxAdd = 32767;
 
-  double low_[kPairs], high_[kPairs];            // the segments
-  double least_[kPairs + 1], most_[kPairs + 1];  // slopes per segment, for each count
+  double low_[kPairs], high_[kPairs];  // bounds of the segments
+  double least_[kPairs + 1],
+      most_[kPairs + 1];  // minimum and maximum slope for each number of segments
 
-  // A command ends as late as possible: where the speed changes, the step times curve upwards, and
-  // the next command reaches farther from a late start than from an early one.
+  // A command should end as late as possible. Where the speed changes, the step times curve
+  // upwards, so the next command can be longer after a late start.
   static Command single(const double* hi, double last) { return {1, std::floor(hi[0] - last), 0}; }
 
-  // Examines segments m … m + 3; all segments before allow slopes from `least` to `most`. The code
-  // of the blocks is unrolled, so that their number costs one branch.
+  // Adds the segments m … m + 3. The segments before allow slopes from `least` to `most`. The
+  // blocks are unrolled, so that their number costs only one branch.
   template <int m>
   PASSO_SEARCH_INLINE Command block(const double* lo, const double* hi, int n, double last,
                                     double* executed, Vector most, Vector least) {
@@ -56,19 +57,19 @@ class Search {
     Vector low = (Vector::load(lo + m) - origin) * r, high = (Vector::load(hi + m) - origin) * r;
     low.store(low_ + m);
     high.store(high_ + m);
-    // Compares the segments with each other.
+    // Compares the four segments with each other.
     Vector steepest = high - slide<1>(back, low), flattest = low - slide<1>(far, high);
     steepest = min(steepest, (high - slide<2>(back, low)) * half);
     flattest = max(flattest, (low - slide<2>(far, high)) * half);
     steepest = min(steepest, (high - slide<3>(back, low)) * third);
     flattest = max(flattest, (low - slide<3>(far, high)) * third);
-    // Compares the segments with those before.
+    // Compares the four segments with those before.
     for (int j = 0; j < m; ++j) {
       Vector per_distance = Vector::load(kStabbing.reciprocal + m - j);
       steepest = min(steepest, (high - Vector(low_[j])) * per_distance);
       flattest = max(flattest, (low - Vector(high_[j])) * per_distance);
     }
-    // From the slopes of each segment to those of all up to it.
+    // For each segment, combines its slopes with those of all segments before it.
     steepest = min(steepest, slide<1>(far, steepest));
     flattest = max(flattest, slide<1>(back, flattest));
     most = min(most, min(steepest, slide<2>(far, steepest)));
@@ -90,7 +91,7 @@ class Search {
     }
   }
 
-  // The longest command of at most `count` steps, all within the first `blocks`.
+  // The longest command of at most `count` steps within the first `blocks` blocks.
   template <int blocks>
   PASSO_SEARCH_APART Command finish(const double* hi, int count, double last,
                                     double* executed) const {
@@ -101,7 +102,7 @@ class Search {
     return command;
   }
 
-  // The times of `count` steps and some more, up to a multiple of four.
+  // Calculates the times of `count` steps, rounded up to a multiple of four.
   PASSO_SEARCH_INLINE static void execute(const Command& c, int count, double last,
                                           double* executed) {
     const Vector sixteenth(16 * c.add);
@@ -116,14 +117,16 @@ class Search {
     }
   }
 
-  // The integer nearest to the middle of the range of add: if there is one in it, it is.
+  // The integer nearest to the middle of the range of `add`. If the range contains an integer, the
+  // result is in it.
   static double middle(double least, double most) {
     return std::min(std::max(round_even(least + most), kMinAdd), kMaxAdd);
   }
   static bool possible(double add, double least, double most) {
     return add >= 2 * least && add <= 2 * most && add >= kMinAdd && add <= kMaxAdd;
   }
-  // The next integer up or down; what is beyond one by rounding is let in.
+  // Rounds up or down. A number that exceeds an integer only by rounding errors becomes that
+  // integer.
   static double at_least(double x) { return round_even(x + (0.5 - kSlack)); }
   static double at_most(double x) { return round_even(x - (0.5 - kSlack)); }
   PASSO_SEARCH_INLINE static Vector at_least(Vector x) {
@@ -133,8 +136,8 @@ class Search {
     return ((x - Vector(0.5 - kSlack)) + Vector(kRoundMagic)) - Vector(kRoundMagic);
   }
 
-  // A command of exactly `count` steps, if integers allow; else its count is 0. The largest add
-  // ends latest.
+  // A command of exactly `count` steps; its count is 0 if no integers fit. A larger `add` ends
+  // later.
   template <int blocks>
   PASSO_SEARCH_INLINE Command shortened(int count) const {
     const double least = least_[count], most = most_[count], centre = middle(least, most);
@@ -154,7 +157,7 @@ class Search {
     return {0, 0, 0};
   }
 
-  // Few values of add remain: returns the longest command among them.
+  // Tries the few remaining values of `add`, and returns the longest command.
   PASSO_SEARCH_APART Command extend(const double* lo, const double* hi, int n, double last) const {
     const double least = least_[kPairs], most = most_[kPairs], centre = middle(least, most);
     Command best{0, 0, 0};
@@ -171,8 +174,8 @@ class Search {
     return {best.count, at_most(high), best.add};
   }
 
-  // Number of steps that hold with this add, and the largest interval; 0 if they are less than
-  // kPairs.
+  // The number of steps that are possible with this `add`, and the maximum interval in `high`.
+  // Returns 0 for less than kPairs steps.
   PASSO_SEARCH_INLINE int reach(const double* lo, const double* hi, int n, double last, double add,
                                 double& high) const {
     const Vector origin(last), stride(2 * add), back(-kFar), far(kFar);
@@ -189,8 +192,8 @@ class Search {
              h = (Vector::load(hi + m) - origin) * r - x;
       const Vector all_lows = max(lows, l), all_highs = min(highs, h);
       if (m + 4 > n || at_least(all_lows.most()) > at_most(all_highs.least())) {
-        // It holds for some of these four, as good as random how many: up to each of them, the
-        // bounds of all.
+        // Only some of these four steps are possible, and their number is hard to predict. So the
+        // bounds up to each of them are calculated without branches.
         l = max(l, slide<1>(back, l));
         l = max(max(l, slide<2>(back, l)), Vector(lows.most()));
         h = min(h, slide<1>(far, h));

@@ -1,4 +1,4 @@
-// Which messages remain when motion is cut at a clock.
+// Decides which messages remain when motion is cut at a clock.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -10,21 +10,22 @@
 namespace passo {
 
 struct Revocation {
-  std::vector<StepStatistics> lost;  // of each motor: steps, net steps and commands
-  std::vector<int64_t> last;  // clock of its last step; of the last one kept, if some are lost
+  std::vector<StepStatistics>
+      lost;                   // for each motor: steps, net steps and commands that were revoked
+  std::vector<int64_t> last;  // for each motor: clock of the last step that remains
 
   explicit Revocation(size_t motors) : lost(motors), last(motors), cut_off_(motors, false) {}
 
   using BeforeReset = std::function<int64_t(const Message& reset)>;
-  // Empties the queue. Returns the part of it that is executed up to `at`: a command is cut short
-  // after its last step, and directions and clocks go with the steps after them.
-  // `before_reset(reset)` is the clock that a motor had before.
+  // Empties the queue and returns the messages that are executed up to `at`. A command is shortened
+  // to its steps up to `at`. Directions and clocks belong to the steps after them.
+  // before_reset(reset) returns the motor's clock before that reset.
   std::vector<Message> keep(MessageQueue& queue, int64_t at, const BeforeReset& before_reset);
 
  private:
   std::vector<bool> cut_off_;
 
-  // All but the first `count` steps of a command.
+  // Counts all but the first `count` steps of a command as revoked.
   void lose(const Message& m, int64_t count, int64_t start);
 };
 

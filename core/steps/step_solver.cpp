@@ -28,7 +28,7 @@ void StepSolver::solve(const Move& m, Steps& out) {
   if (spec_.drive == Drive::extruder && m.extruder != spec_.index) return;
   if (m.kind == MoveKind::dwell) return;
   out.set_tolerance(m.tolerance);
-  // Also by less than the path measure: a hair in addition to much filament.
+  // Any distance counts, even if filament determines the path measure.
   bool travels = m.p0[kX] != m.p1[kX] || m.p0[kY] != m.p1[kY] || m.p0[kZ] != m.p1[kZ];
   if (travels && pieces_.raised())
     solve_raised(m, out);
@@ -62,7 +62,7 @@ inline void StepSolver::solve_linear(const Move& m, Steps& out) {
   double s0 = (double(count_) + 0.5 * dir - from) * dir * per_step;
   double* t = out.extend(size_t(n), int(dir));
   TimeLaw(m, hz_).even(s0, std::max(per_step, 1e-12), int(n), t);
-  // After a cut: messages that were due before it come at once.
+  // After a cut: steps that were due before it come at once.
   for (int64_t k = 0; k < n && s0 + per_step * double(k) < 0; ++k) t[k] = m.start;
   count_ = target;
 }
@@ -94,7 +94,7 @@ void StepSolver::solve_path(const Move& m, Steps& out) {
   Path path{{m.p0[0], m.p0[1], m.p0[2]}, {m.p1[0], m.p1[1], m.p1[2]}, m.d};
   machine_.geometry->crossings(spec_.index, path, spec_.steps_per_unit, crossings_);
   TimeLaw law(m, hz_);
-  // After a cut: steps done before their ideal time, which are not done again, or still owed.
+  // After a cut: steps that were executed early are skipped, and steps that are missing are added.
   int64_t ahead = count_ - crossings_.k0;
   auto owe = [&](double s) {
     size_t n = size_t(std::abs(ahead));

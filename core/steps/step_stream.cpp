@@ -87,7 +87,7 @@ void StepStream::restart_filters(double clock, const std::vector<Move>& past) {
 }
 
 void StepStream::compress(double clock, bool still) {
-  // Messages after a commit are later than it, even if its first steps may be a little early.
+  // Messages after a commit must be later than it, also if their steps are a little early.
   const int64_t behind = commits_ ? commits_->points().back().clock : kAnyClock;
   for (Compressor& c : compressors_) c.advance(clock, still, behind);
 }
@@ -116,14 +116,14 @@ void StepStream::merge(double clock, bool all) {
   auto held = hold();
   double limit = clock;
   for (Compressor& c : compressors_) limit = std::min(limit, c.next_clock(clock));
-  // Which comes next is as good as random: the comparisons must not be branches.
+  // The next queue is hard to predict, so the comparisons must not become branches.
   std::vector<MessageQueue*>& queues = merged_;
   queues.assign(1, &outputs_);
   for (Compressor& c : compressors_) queues.push_back(&c.messages());
   next_clocks_.clear();
   for (MessageQueue* queue : queues) next_clocks_.push_back(queue->next_clock());
   const int64_t end = all ? kNoMessage : int64_t(std::ceil(limit));
-  // Where all go; null if it is a matter of the message.
+  // The queue for all messages; null if it depends on the message.
   MessageQueue* common = commits_                ? &commits_->waiting()
                          : messages_.size() == 1 ? &messages_[0]
                                                  : nullptr;
@@ -191,7 +191,8 @@ std::optional<Commits::Point> StepStream::rewind(uint32_t serial) {
   std::vector<size_t> begins;
   for (const MessageQueue& queue : messages_)
     if (std::optional<size_t> begin = queue.behind(last_of(*p))) begins.push_back(*begin);
-  if (begins.size() < messages_.size()) return std::nullopt;  // of one, but not of all
+  if (begins.size() < messages_.size())
+    return std::nullopt;  // some boards know the commit, but not all
   for (size_t i = 0; i < begins.size(); ++i) messages_[i].rewind(begins[i], p->clock);
   return *p;
 }
@@ -269,7 +270,7 @@ void StepStream::commit(int64_t known, int64_t stands) {
     if (m.kind != MessageKind::commit) return queue_of(m).push(m);
     for (MessageQueue& queue : messages_) queue.push(m);
   });
-  int64_t taken = kNoMessage;  // by all
+  int64_t taken = kNoMessage;  // by all boards
   for (const MessageQueue& queue : messages_) taken = std::min(taken, queue.taken_until());
   commits_->forget(taken, kKeptCommits);
 }

@@ -1,4 +1,4 @@
-// The ideal times of one motor's steps on their way from the solver to the compressor.
+// The ideal times of one motor's steps, which the solver passes to the compressor.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace passo {
 
-// Steps in order of time. A run is a stretch of one direction.
+// Steps in the order of their times. A run contains steps of one direction.
 struct Steps {
   struct Run {
     size_t first;  // index in `ticks`
@@ -21,10 +21,11 @@ struct Steps {
   };
   UnsetDoubles ticks;
   std::vector<Run> runs;
-  std::vector<Widening> widenings;  // where the tolerance changes, from the board's own at first
+  std::vector<Widening>
+      widenings;  // places where the tolerance changes; before the first it is the board's own
 
-  // Where to put the ticks of n more steps of one direction. The array has space for four more:
-  // TimeLaw writes up to three after them, the compressor one.
+  // Returns where to write the ticks of n more steps in direction `dir`. There is space for four
+  // more elements: TimeLaw writes up to three after the end, the compressor one.
   double* extend(size_t n, int dir) {
     size_t first = ticks.size(), wanted = first + n + 4;
     if (ticks.capacity() < wanted) ticks.reserve(std::max(wanted, ticks.capacity() * 3 / 2));
@@ -32,13 +33,13 @@ struct Steps {
     ticks.resize(first + n);
     return ticks.data() + first;
   }
-  // The steps to come have this tolerance.
+  // Later steps have this tolerance.
   void set_tolerance(double tolerance) {
     if ((widenings.empty() ? 0 : widenings.back().tolerance) == tolerance) return;
     if (!widenings.empty() && widenings.back().first == ticks.size()) widenings.pop_back();
     widenings.push_back({ticks.size(), tolerance});
   }
-  // Removes the n ticks from index `from` on, or inserts n ticks before all.
+  // Moves the changes of tolerance after the n ticks from index `from` on are removed.
   void move_widenings(size_t from, size_t n) {
     for (Widening& w : widenings)
       if (w.first > from) w.first = std::max(w.first - std::min(n, w.first), from);
@@ -46,7 +47,7 @@ struct Steps {
   }
 };
 
-// Tolerances by clock, for steps that are solved apart from the moves that they belong to.
+// Tolerances by clock, for steps that are not solved move by move.
 class TimedTolerances {
  public:
   void add(double ticks, double tolerance) {
@@ -54,7 +55,7 @@ class TimedTolerances {
     changes_.push_back({ticks, last_ = tolerance});
     if (changes_.size() == 1) next_ = ticks;
   }
-  // The next steps in `out` are due from `ticks` on.
+  // The next steps that go to `out` are due at `ticks` or later.
   void apply(double ticks, Steps& out) {
     if (ticks < next_) [[likely]]
       return;

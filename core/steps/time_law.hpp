@@ -1,5 +1,4 @@
-// The time of a position on the path of a move: the kernels of the step solver, which alone
-// includes this.
+// The time at a position on the path of a move. Only the step solver includes these kernels.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -17,7 +16,7 @@ PASSO_SIMD inline void fill_root(double* __restrict t, int n, double c0, double 
 PASSO_SIMD inline void fill_line(double* __restrict t, int n, double c0, double c1) {
   for (int j = 0; j < in_fours(n); ++j) t[j] = c0 + c1 * j;
 }
-// The same for path positions s[j] that are not evenly spaced.
+// The same for path positions s[j] with uneven distances.
 PASSO_SIMD inline void fill_root_at(double* __restrict t, const double* __restrict s, int n,
                                     double c0, double c1, double base, double sign) {
   for (int j = 0; j < in_fours(n); ++j)
@@ -27,18 +26,18 @@ PASSO_SIMD inline void fill_line_at(double* __restrict t, const double* __restri
                                     double c0, double c1) {
   for (int j = 0; j < in_fours(n); ++j) t[j] = c0 + c1 * s[j];
 }
-// The number of values below the limit.
+// Number of values below the limit.
 PASSO_SIMD inline int count_below(double limit, const double* s, int n) {
   int below = 0;
   for (int j = 0; j < n; ++j) below += s[j] < limit;
   return below;
 }
 
-// Time law of a move as t(s): in each phase base + sign*sqrt(c0 + c1*s), or a line while cruising.
+// The time t(s) of a move: base + sign*sqrt(c0 + c1*s) in each phase, and a line while cruising.
 struct TimeLaw {
   double base0, sign0, c00, c01;  // first phase, s < s1
   double line0, line1;            // cruise, s < s2
-  double base2, c20, c21;         // last phase, measured from the end so that v → 0 is harmless
+  double base2, c20, c21;  // last phase, measured from its end, so that a speed near 0 is harmless
   double s1, s2;
 
   TimeLaw(const Move& m, double hz) {
@@ -57,15 +56,15 @@ struct TimeLaw {
     c21 = -2 * w2 * hz;
   }
 
-  // n evenly spaced positions s0 + ds*j, ascending. Here and below `t` and `s` must extend for
-  // three more; these are overwritten, and read.
+  // n positions s0 + ds*j, ascending. Here and below, `t` and `s` must have space for three more
+  // elements, which are read and overwritten.
   void even(double s0, double ds, int n, double* t) const {
     int n1 = below(s1, s0, ds, n), n2 = below(s2, s0, ds, n);
     if (n1 > 0) fill_root(t, n1, c00 + c01 * s0, c01 * ds, base0, sign0);
     if (n2 > n1) fill_line(t + n1, n2 - n1, line0 + line1 * (s0 + n1 * ds), line1 * ds);
     if (n > n2) fill_root(t + n2, n - n2, c20 + c21 * (s0 + n2 * ds), c21 * ds, base2, -1);
   }
-  // n ascending positions, one at least.
+  // n ascending positions, at least one.
   void at(const double* s, int n, double* t) const {
     const int n1 = number_below(s1, s, n), n2 = std::max(n1, number_below(s2, s, n));
     if (n1 > 0) fill_root_at(t, s, n1, c00, c01, base0, sign0);
@@ -74,8 +73,8 @@ struct TimeLaw {
   }
 
  private:
-  // For n ascending positions, at least one. Usually n is small and hard to predict, and a search
-  // would branch on it.
+  // For at least one ascending position. n is usually small and hard to predict, so a search would
+  // cost more branches.
   static int number_below(double limit, const double* s, int n) {
     if (limit <= s[0]) return 0;
     if (limit > s[n - 1]) return n;

@@ -1,15 +1,15 @@
-// How far each step may be from its ideal time.
+// The window of each step: how far its execution may be from its ideal time.
 #pragma once
 #include "base/simd.hpp"
 
 namespace passo {
 
-// Ticks from a step to one that is not known, or that there is none.
+// Distance in ticks to a step that does not exist or is not known.
 inline constexpr double kNeverNear = 1e15;
 
-// half[k] = half the window of step k: a quarter of the smaller gap to its neighbours, `tolerance`
-// at most, and so that executed steps keep `least` ticks apart; plus half a tick, so that it always
-// holds an integer. t[-1] and t[n] are read.
+// Half the window of step k is a quarter of the smaller gap to its neighbours, and at most
+// `tolerance`. It is also small enough to keep executed steps `least` ticks apart. Half a tick is
+// added, so that the window always contains an integer. Reads t[-1] and t[n].
 PASSO_SIMD inline void windows(const double* __restrict t, double* __restrict lo,
                                double* __restrict hi, int n, double tolerance, double least) {
   for (int k = 0; k < n; ++k) {
