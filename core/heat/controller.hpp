@@ -1,4 +1,4 @@
-// A heater's controller, of one of four kinds. Each takes a reading and returns the power.
+// The controller of a heater, one of four kinds. It takes a reading and returns the power.
 #pragma once
 #include <variant>
 
@@ -16,7 +16,7 @@ class Controller {
   explicit Controller(const Control& control) : control_(control), law_(law_of(control)) {}
   const Control& control() const { return control_; }
 
-  // A law of the same kind continues from its state; one of another kind starts again.
+  // A controller of the same kind keeps its state. One of another kind starts again.
   void set(const Control& control) {
     control_ = control;
     bool same = control.index() == law_.index();

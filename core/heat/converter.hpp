@@ -1,4 +1,4 @@
-// The readings of thermocouple and RTD interfaces, in the terms of their data sheets.
+// Decodes the readings of thermocouple and RTD interfaces by their data sheets.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -8,10 +8,10 @@ namespace passo::heat {
 enum class Converter : uint8_t { none, max31855, max31856, max31865, max6675 };
 enum class ConverterFault : uint8_t { none, open, short_circuit, out_of_range, no_answer };
 
-// How a converter puts a number into its word: `bits` of it from `shift` on, in two's complement if
-// `is_signed`. It counts in 1 / `per_unit` of a °C, or of the reference resistor. As a fraction of
-// full scale it is like the reading of an ADC: `full` steps, of which `zero` are below 0. An open
-// sensor reads full scale, a short-circuited one 0.
+// The number in the data word of a converter: `bits` bits from bit `shift` on, in two's complement
+// if `is_signed`. It counts in 1 / `per_unit` of a °C, or of the reference resistor. Like an ADC it
+// has a full scale: `full` steps, `zero` of them below 0. An open sensor reads as full scale, a
+// short-circuited one as 0.
 struct ConverterScale {
   int32_t per_unit, full, zero;
   uint8_t bits, shift;
@@ -32,7 +32,7 @@ inline constexpr ConverterScale scale_of(Converter converter) {
 }
 
 struct ConverterReading {
-  int32_t steps = 0;  // as the converter counts
+  int32_t steps = 0;  // the converter's own number
   ConverterFault fault = ConverterFault::none;
 };
 
@@ -74,7 +74,7 @@ inline ConverterReading read_converter(Converter converter, uint32_t word, uint3
   return is(ConverterFault::none);
 }
 
-// A reading in steps of full scale. A chip that is out of its range has no reading.
+// The reading in steps of full scale. A converter with a fault of its own counts as an open sensor.
 inline uint32_t converter_sum(Converter converter, uint32_t word, uint32_t faults) {
   constexpr uint32_t kOfChip = 0xb0;
   const ConverterScale scale = scale_of(converter);
@@ -85,14 +85,14 @@ inline uint32_t converter_sum(Converter converter, uint32_t word, uint32_t fault
   return uint32_t(known ? reading.steps + scale.zero : scale.full);
 }
 
-// The word for so many steps, within its range: the inverse.
+// The inverse: the data word for a number of steps, limited to the converter's range.
 inline uint32_t converter_word(Converter converter, int32_t steps) {
   const ConverterScale scale = scale_of(converter);
   int32_t most = (1 << (scale.bits - scale.is_signed)) - 1;
   steps = std::clamp(steps, scale.is_signed ? -most - 1 : 0, most);
   return (uint32_t(steps) & ((1u << scale.bits) - 1)) << scale.shift;
 }
-// The steps for a fraction of full scale.
+// The number of steps for a fraction of full scale.
 inline int32_t converter_steps(Converter converter, double share) {
   const ConverterScale scale = scale_of(converter);
   return int32_t(std::clamp(share, 0.0, 1.0) * scale.full + 0.5) - scale.zero;

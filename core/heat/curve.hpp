@@ -1,4 +1,4 @@
-// A piecewise linear function: a sensor's reading by temperature, or the temperature by reading.
+// A piecewise linear function: the reading of a sensor for a temperature, or the reverse.
 #pragma once
 #include <algorithm>
 #include <utility>
@@ -6,7 +6,7 @@
 
 namespace passo::heat {
 
-// Through points of ascending x; constant beyond both ends.
+// The points have ascending x. Outside of them the function is constant.
 class Curve {
  public:
   Curve() = default;

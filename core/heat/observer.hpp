@@ -1,6 +1,6 @@
-// The host's model of a heated mass: a first-order body that loses heat to the room, measured by a
-// first-order sensor. From power and readings it estimates the temperature of the body, and the
-// heat that the model does not explain.
+// The host's model of a heated mass: a first-order body that loses heat to the room, and a
+// first-order sensor. From power and readings it estimates the temperature of the body, and heat
+// that the model does not explain.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -9,24 +9,25 @@ namespace passo::heat {
 
 struct HeatModel {
   double rise_c = 0;           // final temperature rise above ambient at full power, without a fan
-  double time_constant_s = 0;  // of the body, without a fan
+  double time_constant_s = 0;  // without a fan
   double sensor_lag_s = 0;
-  double fan_loss = 0;    // fraction by which a fan at full speed increases the heat loss
-  double ambient_c = 25;  // the room
+  double fan_loss = 0;    // additional heat loss by a fan at full speed, as a fraction
+  double ambient_c = 25;  // temperature of the room
   bool operator==(const HeatModel&) const = default;
 };
 
-// Luenberger observer of three states: sensor, body, and the room that would explain the readings.
-// All its poles lie at -ω, ω = 0.5 / sensor lag: slower than the noise, faster than the body.
+// A Luenberger observer with three states: sensor, body, and the room temperature that would
+// explain the readings. Its poles are at -ω with ω = 0.5 / sensor lag: slower than the noise,
+// faster than the body.
 class Observer {
  public:
   explicit Observer(const HeatModel& model) : m_(model) {}
   void set(const HeatModel& model) { m_ = model; }
   const HeatModel& model() const { return m_; }
 
-  // Restarts with the next reading.
+  // The next reading starts the observer again.
   void restart() { known_ = false; }
-  // `power` acted for `dt` seconds until the sensor reported `celsius`.
+  // `power` was on for `dt` seconds before the sensor reported `celsius`.
   void update(double celsius, double power, double fan, double dt) {
     loss_ = 1 + m_.fan_loss * fan;
     if (!known_) {
@@ -43,7 +44,7 @@ class Observer {
     double l1 = 3 * w - a - b, l2 = (3 * w * w - (a + l1) * b) / a, l3 = w * w * w / (a * b);
     int steps = std::max(1, int(std::ceil(dt / std::min(kStepSeconds, lag / 4))));
     double h = dt / steps;
-    // The correction is spread over the interval, from the readings at its two ends.
+    // The measured value is interpolated between the last two readings.
     for (int k = 1; k <= steps; ++k) {
       double measured = before_ + (celsius - before_) * (double(k) / steps);
       double off = measured - sensor_;
@@ -57,11 +58,12 @@ class Observer {
   }
 
   double body_c() const { return body_; }
-  // The fraction of full power that would hold the body at `celsius` under the present conditions.
+  // The fraction of full power that holds the body at `celsius` now.
   double holding(double celsius) const { return loss_ * (celsius - room_) / m_.rise_c; }
-  // The part of that power which the fan removes, at the ambient temperature of the model.
+  // The part of that power that the fan removes, at the model's ambient temperature.
   double blown(double celsius) const { return (loss_ - 1) * (celsius - m_.ambient_c) / m_.rise_c; }
-  // The fraction of full power that the readings show above (below) the model.
+  // The power that the readings show in addition to the model (negative: less), as a fraction of
+  // full power.
   double unexplained() const { return loss_ * (room_ - m_.ambient_c) / m_.rise_c; }
 
  private:

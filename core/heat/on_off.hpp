@@ -1,12 +1,13 @@
-// On/off control: full power below the target, none above it, never switched too often.
+// On/off control: full power below the target, no power above it, with a minimum time between
+// switchings.
 #pragma once
 #include "heat/reading.hpp"
 
 namespace passo::heat {
 
 struct OnOffControl {
-  double hysteresis_c = 1;  // switches this far below and above the target
-  double interval_s = 0;    // shortest time between two switchings
+  double hysteresis_c = 1;  // distance from the target at which it switches
+  double interval_s = 0;    // minimum time between two switchings
   bool operator==(const OnOffControl&) const = default;
 };
 
@@ -20,7 +21,7 @@ class OnOff {
     since_ += r.dt;
     double error = r.target - r.celsius;
     if (r.target <= 0) {
-      // Off by command: at once, and the next switching on need not wait.
+      // A target of 0 switches off at once. The next switching on does not wait.
       on_ = false;
       since_ = o_.interval_s;
       terms_ = {};

@@ -1,5 +1,5 @@
-// PID control: derivative on the measurement and filtered, a bounded integral, a functional range,
-// and the effect of the fan.
+// PID control. The derivative is that of the measurement, and filtered; the integral has bounds.
+// Control acts only within a range of the target. The heat loss by the fan is added in advance.
 #pragma once
 #include <algorithm>
 #include <utility>
@@ -9,20 +9,20 @@
 
 namespace passo::heat {
 
-inline constexpr double kGainFull = 255;  // full power in the unit of gains, as in M301
+inline constexpr double kGainFull = 255;  // full power in units of the gains, as in M301
 
 struct PidControl {
-  double kp = 0, ki = 0, kd = 0;        // 1/255 of full power by °C, by °C·s, by °C/s
+  double kp = 0, ki = 0, kd = 0;        // 1/255 of full power per °C, per °C·s, per °C/s
   double filter_s = 1;                  // time constant of the derivative
-  double drive_min = 0, drive_max = 1;  // bounds of the integral, fractions of full power
-  double range_c = 10;                  // farther from the target: full on, or off
+  double drive_min = 0, drive_max = 1;  // bounds of the integral, as fractions of full power
+  double range_c = 10;                  // outside of this range of the target: full power, or off
   bool operator==(const PidControl&) const = default;
 };
 
 class Pid {
  public:
   explicit Pid(const PidControl& options) : o_(options) {}
-  // New gains take over from the old ones without a jump of the integral.
+  // New gains apply at once. The integral does not jump, because it is stored as power.
   void set(const PidControl& options) { o_ = options; }
   const Terms& terms() const { return terms_; }
 
@@ -42,8 +42,9 @@ class Pid {
     }
     double error = r.target - r.celsius;
     double low = std::min(o_.drive_min, r.max_power), high = std::min(o_.drive_max, r.max_power);
-    // The integral of one target scales to a lower one with the temperature above ambient. While
-    // heating it is too small, which costs time, and never too large.
+    // For a lower target the integral is scaled with the target's distance from room temperature.
+    // While the heater is still heating, the integral is too small: that costs time, but causes no
+    // overshoot.
     double room = (r.body ? r.body->model() : HeatModel{}).ambient_c;
     if (target_ > room && r.target < target_) {
       double part = std::max(0.0, (r.target - room) / (target_ - room));
@@ -54,10 +55,9 @@ class Pid {
     }
     target_ = r.target;
     if (error >= -o_.range_c) falls_ = false;
-    if (error < -o_.range_c && !falls_) i_ = low;  // it is too large
-    // The integral would find the loss through the fan in time; it need not wait for the sensor. If
-    // the limits cut off a part when the fan starts, that part is not subtracted when the fan
-    // stops.
+    if (error < -o_.range_c && !falls_) i_ = low;  // the integral is too large
+    // The power for the fan is added at once, before the sensor shows the loss. If the bounds cut
+    // off a part of it when the fan starts, that part is not subtracted when the fan stops.
     double blown = r.body ? r.body->blown(r.target) : 0;
     double more = std::max(blown - std::exchange(blown_, blown), -fan_), was = i_;
     i_ = std::clamp(i_ + more, low, high);
@@ -68,9 +68,9 @@ class Pid {
     if (error < -o_.range_c) return finish(error, 0, 0, 0, r.max_power);
     double p = o_.kp / kGainFull * error, d = -o_.kd / kGainFull * rate_;
     double step = o_.ki / kGainFull * error * r.dt;
-    // Anti-windup: the integral grows only while that still changes the power. It does not grow
-    // while the temperature, coming from far away, approaches faster than the integral could
-    // follow: it would cause overshoot.
+    // Anti-windup: the integral changes only if that changes the power. It also stays while the
+    // temperature approaches the target faster than the integral could follow, which would cause
+    // overshoot.
     double wanted = p + i_ + step + d;
     bool saturated = (wanted > r.max_power && step > 0) || (wanted < 0 && step < 0);
     bool closing = error * trend_ > 0 && o_.ki * error * error < o_.kp * error * trend_;
@@ -82,13 +82,14 @@ class Pid {
 
  private:
   static constexpr double kApproachSeconds = 30;
-  static constexpr double kTrend = 4;  // filters of the derivative: beyond the ADC's steps
+  static constexpr double kTrend =
+      4;  // the trend is averaged over this many filter times, more than one ADC step
 
   PidControl o_;
   double before_ = 0, rate_ = 0, trend_ = 0, near_s_ = 0, i_ = 0;
-  double target_ = 0;                   // that the integral belongs to
-  double blown_ = 0, fan_ = 0;          // the loss through the fan, and its part in the integral
-  bool known_ = false, falls_ = false;  // the temperature is falling to a lower target
+  double target_ = 0;                   // the target of the integral
+  double blown_ = 0, fan_ = 0;          // the loss by the fan, and its part in the integral
+  bool known_ = false, falls_ = false;  // falls_: the temperature is falling to a lower target
   Terms terms_;
 
   double finish(double error, double p, double d, double output, double max_power) {

@@ -1,4 +1,4 @@
-// Model-predictive control: the power that brings the body, by the observer's estimate, to the
+// Model-predictive control: the power with which the estimated temperature of the body reaches the
 // target within a short horizon.
 #pragma once
 #include <algorithm>
@@ -20,7 +20,8 @@ class Predictive {
   void set(const ModelControl& options) { o_ = options; }
   const Terms& terms() const { return terms_; }
 
-  // Needs `r.body`. Terms: i is the power that holds the target, p the power that closes the gap.
+  // Requires `r.body`. In the terms, i is the power that holds the target, and p the power for the
+  // difference from the target.
   double update(const Reading& r) {
     if (r.target <= 0 || !r.body) {
       terms_ = {};

@@ -1,4 +1,4 @@
-// The protections of a heater, checked with every report of its sensor.
+// The protections of a heater. They are checked at each report of its sensor.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -19,57 +19,60 @@ enum class FaultKind : uint8_t {
   model_deviation,
 };
 
-// A limit of 0 switches its protection off, except for min_c and max_c.
+// A limit of 0 switches off its protection, except min_c and max_c.
 struct ProtectionLimits {
   double min_c = 5, max_c = 280;
-  double jump_c = 10;  // between two reports; several in a few seconds: an erratic sensor
+  double jump_c = 10;  // between two reports; several jumps within seconds mean an erratic sensor
   double watch_rise_c = 2,
-         watch_s = 20;                      // while at full power on its way up
-  double runaway_c = 4, runaway_s = 40;     // after arrival: so much colder for so long is a fault
-  double stuck_on_c = 10, stuck_on_s = 60;  // off: so much warmer in this time is a fault
-  double deviation = 0.25, deviation_s = 30;  // unexplained fraction of full power
+         watch_s = 20;  // maximum time for watch_rise_c at full power, while heating
+  double runaway_c = 4,
+         runaway_s = 40;  // after arrival: a fault if this much below the target for this long
+  double stuck_on_c = 10,
+         stuck_on_s = 60;  // while off: a fault if this much warmer within this time
+  double deviation = 0.25, deviation_s = 30;  // unexplained fraction of full power, for this long
   bool operator==(const ProtectionLimits&) const = default;
 };
 
 struct Fault {
   FaultKind kind = FaultKind::none;
   double celsius = 0;  // the sensor's reading
-  double limit = 0;    // the limit: °C, or the fraction of power of a model deviation
+  double limit = 0;    // the limit in °C; for a model deviation a fraction of full power
   int64_t clock = 0;
 };
 
 class Protection {
  public:
   struct Sight {
-    double celsius, target, power;  // power: mean since the last report, fraction of full
+    double celsius, target,
+        power;  // power: mean since the last report, as a fraction of full power
     double dt;
     bool full;  // the heater was at maximum power
     bool open, shorted;
-    double unexplained;  // fraction of full power; 0 if no model is known
+    double unexplained;  // fraction of full power; 0 without a model
   };
 
   explicit Protection(const ProtectionLimits& limits) : o_(limits) {}
   void set(const ProtectionLimits& limits) { o_ = limits; }
   const ProtectionLimits& limits() const { return o_; }
 
-  // Restarts, as if the heater had just been switched on.
+  // Restarts as if the heater had just been switched on.
   void restart() { *this = Protection(o_); }
 
-  // There were no reports for a while, in which the body may have cooled: a heater that had arrived
-  // is heating again. A heater that was still heating does not get its time again, only a goal that
-  // is not above the temperature that it could reach. Otherwise a heater that never gets warmer
-  // would pass with each break of the link.
+  // Reports were missing for a while, in which the body may have cooled. A heater that had reached
+  // its target is heating again. A heater that was still heating keeps its deadline, and its goal
+  // must be within reach of the present temperature. Without this rule, a heater that never gets
+  // warmer would pass each time the link is lost.
   void interrupted() {
     known_ = false;
     resumes_ = true;
   }
 
-  // Kind none, or the fault and its limit.
+  // Returns a fault and its limit; kind none if all is well.
   Fault check(const Sight& s) {
     time_ += s.dt;
     Fault fault = range(s);
     if (outside_ > 0)
-      return reported(fault, s);  // this reading is not a temperature: the next report decides
+      return reported(fault, s);  // this reading is not a temperature; the next report decides
     if (fault.kind == FaultKind::none) fault = jumps(s);
     if (fault.kind == FaultKind::none) fault = way_up(s);
     if (fault.kind == FaultKind::none) fault = switched_off(s);
@@ -78,17 +81,19 @@ class Protection {
   }
 
  private:
-  static constexpr int kReports = 2;     // so many consecutive reports outside a range are a fault
-  static constexpr double kJumps = 3.5;  // a fault, each forgotten after kJumpSeconds
+  static constexpr int kReports =
+      2;  // number of consecutive reports outside the range that are a fault
+  static constexpr double kJumps =
+      3.5;  // number of jumps that are a fault; each is forgotten after kJumpSeconds
   static constexpr double kJumpSeconds = 10;
-  static constexpr double kSettleSeconds = 10;  // heat under way may still reach the sensor
+  static constexpr double kSettleSeconds = 10;  // heat may still be on its way to the sensor
 
   ProtectionLimits o_;
   double time_ = 0, before_ = 0;
   bool known_ = false;
   int outside_ = 0;
   double jumps_ = 0;
-  double target_ = 0;  // that the fields below belong to
+  double target_ = 0;  // the fields below are for this target
   bool arrived_ = false, resumes_ = false;
   double goal_ = 0, deadline_ = 0;
   double off_since_ = 0, coldest_ = 0, coldest_at_ = 0;
@@ -143,7 +148,7 @@ class Protection {
       if (o_.runaway_c <= 0 || time_ <= deadline_) return {};
       return {FaultKind::runaway, 0, least};
     }
-    // A controller that asks for less does not expect to get warmer at once.
+    // At less than full power, the controller does not expect a rise.
     if (!s.full || s.celsius >= goal_) aim(s.celsius);
     if (o_.watch_rise_c <= 0 || time_ <= deadline_) return {};
     return {FaultKind::heating_failed, 0, goal_};

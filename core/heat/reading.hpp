@@ -1,4 +1,4 @@
-// The input of a controller with each report of the sensor, and the details of its answer.
+// The input of a controller at each report of the sensor, and the terms of its result.
 #pragma once
 
 namespace passo::heat {
@@ -7,12 +7,12 @@ class Observer;
 
 struct Reading {
   double celsius, target;  // target ≤ 0: off
-  double dt;               // seconds since the last reading; 0 with the first
+  double dt;               // since the last reading, s; 0 for the first one
   double max_power;        // 0…1
-  const Observer* body;    // null where no model of the body is known
+  const Observer* body;    // null without a model of the body
 };
 
-// Fractions of full power; error in °C.
+// Fractions of full power; `error` is in °C.
 struct Terms {
   double error = 0, p = 0, i = 0, d = 0, output = 0;
 };

@@ -1,5 +1,5 @@
-// Relay control, for autotuning: around the target the power swings between two levels, whose mean
-// is moved until heating and cooling take equally long.
+// Relay control for autotuning: the power alternates between two levels around the target. Their
+// mean is adjusted until heating and cooling take equally long.
 #pragma once
 #include <algorithm>
 
@@ -8,8 +8,8 @@
 namespace passo::heat {
 
 struct RelayControl {
-  double half_cycle_s = 5;  // each half of a swing lasts at least this long
-  double band_c = 0;        // it switches this far beyond the target
+  double half_cycle_s = 5;  // minimum duration of each half cycle
+  double band_c = 0;        // switches this far above and below the target
   bool operator==(const RelayControl&) const = default;
 };
 
@@ -46,7 +46,8 @@ class Relay {
   }
 
  private:
-  static constexpr double kMinBias = 20.0 / 255;  // of full power, and as far from its end
+  static constexpr double kMinBias =
+      20.0 / 255;  // minimum distance of the mean from 0 and from full power, as a fraction
 
   RelayControl o_;
   double bias_ = 0, swing_ = 0;

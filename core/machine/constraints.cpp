@@ -70,7 +70,7 @@ void Constraints::tighten(Row& row, const StepperSpec& s, double share) {
 void Constraints::add_stepper(const Machine& m, const StepperSpec& s, bool linear) {
   if (s.drive == Drive::extruder) return tighten(extruders[size_t(s.index)], s);
   if (s.drive == Drive::axis) return tighten(rows[size_t(s.index)], s);
-  // A line is looked at here and there: between these places it may be steeper by 1 %.
+  // Lines are sampled. Between the samples a motor may be up to 1 % faster.
   if (!linear) return tighten(actuators[size_t(s.index)], s, 0.99);
   double c[3];
   m.geometry->linear(s.index, c);

@@ -10,7 +10,7 @@ namespace passo {
 
 using LimitId = uint16_t;
 
-// Names of the limits that can bind a move; the first ones are fixed.
+// Names of the limits that can determine the speed of a move. All machines have these first ones.
 enum FixedLimit : LimitId {
   kFeedrate,
   kDuration,
@@ -29,14 +29,14 @@ enum FixedLimit : LimitId {
 };
 
 struct Row {
-  double c[kAxes];      // position of the limited part by axis position
-  int axis;             // ≥ 0: c is 1 there and 0 elsewhere
+  double c[kAxes];      // position of the limited part as a factor for each axis
+  int axis;             // if ≥ 0: c is 1 for this axis and 0 for all others
   double speed, accel;  // units/s, units/s²
   LimitId speed_id, accel_id;
-  double jerk = kInfinity;  // units/s by which the speed may change at once
+  double jerk = kInfinity;  // change of speed that is allowed at once, units/s
 };
 
-inline constexpr double kRounded = 1e-9;  // fraction by which limits in M503 may be lower
+inline constexpr double kRounded = 1e-9;  // rounding of limits in M503, as a fraction
 
 struct Constraints {
   std::vector<std::string> names{"feedrate",
@@ -53,19 +53,19 @@ struct Constraints {
                                  "pressure advance",
                                  "pressure advance at junctions",
                                  "backlash"};
-  std::vector<Row> rows;       // for XYZ and further axes
-  std::vector<Row> extruders;  // one per extruder
-  std::vector<Row> actuators;  // nonlinear geometries: limits of each actuator, c unused
+  std::vector<Row> rows;       // for X, Y, Z and further axes
+  std::vector<Row> extruders;  // for each extruder
+  std::vector<Row> actuators;  // limits of each actuator of a nonlinear geometry; c is unused
 
-  // Soft limits of the axes do not bound the actuators: lines must be checked.
+  // True if the soft limits of the axes do not keep the actuators within their limits, so that the
+  // path of each move must be checked.
   bool checks_reach() const { return checks_reach_; }
 
-  // Lowers or restores a limit of an axis or extruder, within the machine's own.
+  // Lowers a limit of an axis or extruder, or raises it again, at most to the machine's own limit.
   void set(const Machine& m, const std::string& axis, double Row::* limit, double value);
 
-  // The limits of a machine whose motors have other scales now, or whose geometry is another one of
-  // the same kind: limits that were as high as `before`, the machine's own, are raised to the new
-  // ones.
+  // The limits after a change of the motors' steps or of the geometry's parameters. Limits that
+  // were not lowered below the machine's own limits (`before`) become the new own limits.
   Constraints rescaled(const Constraints& before, const Machine& m) const;
 
   explicit Constraints(const Machine& m);
@@ -81,7 +81,7 @@ struct Constraints {
     return row;
   }
   LimitId add_name(const std::string& name);
-  // `share`: the fraction of the highest step rate that no interval may exceed.
+  // `share`: fraction of the maximum step rate that may be used.
   void tighten(Row& row, const StepperSpec& s, double share = 1);
   void add_stepper(const Machine& m, const StepperSpec& s, bool linear);
 };

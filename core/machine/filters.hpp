@@ -15,14 +15,14 @@
 
 namespace passo {
 
-// The filtered position depends on the past only: every motor follows the plan `delay` later, so
-// that the earliest copy of a kernel needs only positions that are planned already. A cut of the
-// plan and of the steps is then at one clock.
+// A filter may need positions that come later in the plan. Every motor follows the plan with a
+// delay, so that these positions are known. A cut of the plan and of the steps is at one clock.
 class Filters {
  public:
-  // The filters, in the order in which they act; only `set` changes them. Those that act on kernels
-  // have `apply(kernel, slot, extruder)`: of an axis, with extruder -1, or of the filament of an
-  // extruder, in slot kE or in the slot of the axis that it follows.
+  // The filters in the order in which they act. Only set() changes them. A filter that acts on
+  // kernels has a function apply(kernel, slot, extruder): for an axis, with extruder -1, or for the
+  // filament of an extruder. The slot of filament is kE, or the slot of the axis that the filament
+  // follows.
   InputShaper shaper;
   JerkLimit jerk;
   PressureAdvance advance;
@@ -42,14 +42,14 @@ class Filters {
       throw std::invalid_argument("no motion filter has the setting " + std::string(name));
     renew();
   }
-  // While homing and probing, no filter acts.
+  // All filters are off during homing and probing.
   void suspend(bool suspended) {
     suspended_ = suspended;
     renew();
   }
 
   bool on() const { return on_; }
-  // What all filters make of the law in a slot; `extruder`: of its filament that moves with it.
+  // The kernel of all filters for a slot. `extruder`: for its filament that follows this slot.
   Kernel kernel(int slot, int extruder = -1) const {
     Kernel kernel;
     auto apply = [&](const auto& filter) {
@@ -60,23 +60,24 @@ class Filters {
     return kernel;
   }
   bool advances(size_t extruder) const { return !suspended_ && advance.has(extruder); }
-  // The filament of this extruder follows X and Y, of which one is shaped at least.
+  // Whether the filament of this extruder follows X and Y. Only if at least one of them is shaped.
   bool in_step(size_t extruder) const {
     return !suspended_ && extruder < shaper.in_step.size() && shaper.in_step[extruder] &&
            plane_is_shaped_;
   }
-  // Axes have different kernels, so the sum of their speeds differs from the plan.
+  // Whether axes have different kernels. Then the speed along the path differs from the plan.
   bool differ() const { return differ_; }
   // See DriveGaps::share.
   double share(const double* row) const { return suspended_ ? 0 : gaps.share(row); }
-  // Whole ticks, one at least, so that clocks of the plan and of the steps are rounded alike.
+  // Delay of the motors in ticks: an integer and at least 1, so that clocks of the plan and of the
+  // steps are rounded in the same way.
   double delay(double hz) const { return on_ ? std::max(std::ceil(before_s_ * hz), 1.0) : 0; }
-  // Ticks from the end of a move until the last motor is at rest.
+  // Ticks from the end of a move until all motors are at standstill.
   double memory(double hz) const { return on_ ? delay(hz) + std::ceil(after_s_ * hz) : 0; }
 
  private:
   bool suspended_ = false;
-  // Of the settings above.
+  // Calculated by renew().
   bool on_ = false, differ_ = false, plane_is_shaped_ = false;
   double before_s_ = 0, after_s_ = 0;
 

@@ -30,7 +30,7 @@ double HeightMap::find_steepest() const {
   double most = 0;
   for (int j = 0; j < count_[1]; ++j)
     for (int i = 0; i < count_[0]; ++i) {
-      // The gradient of a cell is greatest at one of its corners.
+      // The gradient of a cell has its maximum at one of the corners.
       double left = i > 0 ? height(i, j) - height(i - 1, j) : 0;
       double right = i + 1 < count_[0] ? height(i + 1, j) - height(i, j) : 0;
       double below = j > 0 ? height(i, j) - height(i, j - 1) : 0;

@@ -1,5 +1,5 @@
-// The correction of Z by the bed: heights on an even grid, bilinear in between; beyond the grid,
-// the height of its edge continues. With a fade it decreases with the height of the nozzle.
+// Bed correction: heights on a regular grid, with bilinear interpolation. Outside of the grid the
+// height of its edge continues. With a fade, the correction decreases as Z rises.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -10,12 +10,13 @@
 
 namespace passo {
 
-// The heights c act in full up to Z `start`. From there to Z `end` the correction changes linearly
-// to `target`, mm, which is the same at each X and Y: target + factor (c - target).
+// Up to Z `start` the correction is the height c. From `start` to `end` it changes linearly to
+// `target`, mm, which is the same at each X and Y: target + factor (c - target).
 struct Fade {
   double start = kInfinity, end = kInfinity, target = 0;
 
-  // whole + by_z z, at each Z of one of three stretches: up to `start`, to `end`, and above.
+  // The factor at z is whole + by_z z, in one of three ranges: up to `start`, from there to `end`,
+  // above `end`.
   struct Factor {
     double whole = 1, by_z = 0;
     double at(double z) const { return whole + by_z * z; }
@@ -29,14 +30,15 @@ struct Fade {
 
 class HeightMap {
  public:
-  // Height number j * nx + i is at (x + i dx, y + j dy), in mm; nx and ny are at least 2. A fade is
-  // longer than any height differs from its target: then Z of the nozzle rises with Z.
+  // Height number j * nx + i is at (x + i dx, y + j dy), in mm. nx and ny are at least 2. A fade
+  // must be longer than the largest difference of a height from its target. Then the nozzle rises
+  // whenever Z rises.
   HeightMap(double x, double y, double dx, double dy, int nx, int ny, std::vector<double> heights,
             const Fade& fade = {})
       : first_{x, y}, spacing_{dx, dy}, count_{nx, ny}, heights_(std::move(heights)), fade_(fade),
         steepest_(find_steepest()), twist_(find_twist()), range_(find_range()) {}
 
-  // The same heights at positions that are offset by dx, dy.
+  // The same heights, with the grid offset by dx, dy.
   HeightMap moved(double dx, double dy) const {
     HeightMap map = *this;
     map.first_[0] += dx;
@@ -44,8 +46,8 @@ class HeightMap {
     return map;
   }
 
-  // One cell: height = at_corner + by_x u + by_y v + by_both u v, u = x - corner[0], v = y -
-  // corner[1].
+  // One cell of the grid: height = at_corner + by_x u + by_y v + by_both u v, where u = x -
+  // corner[0] and v = y - corner[1].
   struct Cell {
     double corner[2], at_corner, by_x, by_y, by_both;
     double at(double x, double y) const {
@@ -56,7 +58,7 @@ class HeightMap {
     double slope_y(double x) const { return by_y + by_both * (x - corner[0]); }
   };
 
-  // The correction of Z near one place: one cell, one part of the fade.
+  // The correction of Z within one cell and one range of the fade.
   struct Lift {
     Cell cell;
     double target;
@@ -72,9 +74,9 @@ class HeightMap {
   Lift lift(double x, double y, double z) const {
     return {cell(x, y), fade_.target, fade_.around(z)};
   }
-  // The correction of Z.
+  // The correction of Z at a position of the plan.
   double at(double x, double y, double z) const { return lift(x, y, z).at(x, y, z); }
-  // The Z for which Z plus the correction is `height`.
+  // The planned Z for which Z plus the correction is `height`.
   double plan_z(double x, double y, double height) const;
 
   Cell cell(double x, double y) const {
@@ -91,18 +93,18 @@ class HeightMap {
             (d - b - c + a) / (spacing_[0] * spacing_[1])};
   }
 
-  // Lines of the grid across an axis: line(axis, 0) to line(axis, lines(axis) - 1), mm.
+  // Grid lines across an axis, in mm: line(axis, 0) to line(axis, lines(axis) - 1).
   int lines(int axis) const { return count_[axis]; }
   double line(int axis, int i) const { return first_[axis] + spacing_[axis] * i; }
-  // No direction in X and Y is steeper, in mm/mm.
+  // Maximum slope in any direction, mm/mm.
   double steepest() const { return steepest_; }
-  // Change of the slope in X for a mm of Y, at most: 1/mm.
+  // Maximum change of the slope in X per mm of Y, 1/mm.
   double twist() const { return twist_; }
-  // No height differs more from the fade's target, mm.
+  // Maximum difference of a height from the fade's target, mm.
   double range() const { return range_; }
   const Fade& fade() const { return fade_; }
 
-  // Which stretch between lines; -1 before the first, lines - 1 after the last.
+  // Number of the grid line before x; -1 before the first line.
   int index(int axis, double x) const {
     double i = std::floor((x - first_[axis]) / spacing_[axis]);
     return int(std::min(std::max(i, -1.0), double(count_[axis] - 1)));

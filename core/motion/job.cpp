@@ -24,7 +24,7 @@ Job::Status Job::advance(double horizon, size_t most, bool to_boundary) {
       return Status::full;
     double start = now();
     Found found = Found::move;
-    bool admitted = true;  // an error in a move stops the reading at its line
+    bool admitted = true;  // false: a move breaks a limit, and reading stops at its line
     batch_.clear();
     read_end_.take_plan_end();
     while (batch_.size() < Planner::kBatch && (found = interpreter.next()) == Found::move) {
@@ -62,7 +62,7 @@ Job::Status Job::advance(double horizon, size_t most, bool to_boundary) {
 }
 
 void Job::restart(uint32_t first_line) {
-  // The program counts moves that were left out among its positions; the machine does not.
+  // The program counts moves that were left out; the machine has not made them.
   if (std::exchange(left_out, {}).times > 0) abandon();
   interpreter.restart(first_line);
 }
@@ -120,8 +120,8 @@ bool Job::move_to(const double* target, double feed_mm_s, Within within) {
   m.tool = uint16_t(interpreter.tool());
   m.feed_mm_s = feed_mm_s;
   m.radius_mm = kInfinity;
-  m.rapid = true;     // no laser burns on it
-  m.unscaled = true;  // homing, parking: at the speed of the machine file
+  m.rapid = true;     // the laser is off
+  m.unscaled = true;  // homing and parking ignore M220
   read_end_.take_plan_end();
   if (read_end_.too_long(m, error_)) return false;
   if ((within == Within::limits && !reach_.in_range(m)) ||

@@ -1,5 +1,5 @@
-// Runs a G-code program on one machine: text in, planned motion out. It stops at each event that
-// the caller must handle, and continues from there.
+// Runs a G-code program on one machine: takes text and returns planned motion. It stops at each
+// event that the caller must handle, and continues from there.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -19,8 +19,8 @@ namespace passo {
 class Job {
  public:
   enum class Status : uint8_t { need_input, event, macro, error, full, end };
-  // The limits of a move outside of any program: the machine's limits; the reach of its actuators,
-  // for a return to an earlier position; or none, while the position is unknown.
+  // What limits a move outside of the program: the limits of the machine; only the reach of its
+  // actuators, for the return to an earlier position; or nothing, while the position is unknown.
   enum class Within : uint8_t { limits, reach, anything };
 
   Job(const Machine& machine, std::vector<double> home, const LaserWords& laser, bool with_steps,
@@ -29,100 +29,101 @@ class Job {
   Motion motion;
   Interpreter interpreter;
   double cpu_parse = 0, cpu_plan = 0;
-  // Moves that were left out because they cannot be reached, and the first one's error.
+  // Number of moves that were left out because they are out of reach, and the error of the first
+  // one.
   Interpreter::Clamped left_out;
 
   const GcodeError& error() const { return error_; }
 
-  // Reads and plans until the caller must act (see Status). `full`: the plan reaches `horizon`
-  // (ticks), with unsettled moves counted at their minimum duration, or more than `most` messages
-  // wait. With `to_boundary` it reads only the rest of the line that it is in.
+  // Reads and plans until the caller must act (see Status). Returns `full` when the plan reaches
+  // `horizon` (ticks), or when more than `most` messages wait. Unsettled moves count with their
+  // minimum duration. With `to_boundary` it reads only the rest of the current line.
   Status advance(double horizon, size_t most, bool to_boundary = false);
 
-  // Where the plan ends, in machine mm; E of the tool in use.
+  // The end of the plan, in machine mm; E is that of the tool in use.
   std::array<double, kAxes> position() const { return motion.position(interpreter.extruder()); }
 
-  // Drops the unread text of the selected source; its next line has this number.
+  // Drops the unread text of the selected source. Its next line has the number `first_line`.
   void restart(uint32_t first_line);
-  // After an error or a stop: drops the rest of the line. The program continues from the end of
-  // the plan.
+  // After an error or a stop: drops the rest of the line. The program continues at the end of the
+  // plan.
   void abandon();
-  // Brakes from `ticks` on and drops the moves that follow. `program`: of a program, whose
-  // retraction ends too. Returns the clock of the cut.
+  // Brakes from `ticks` on and drops the moves after that. `program`: also forgets the program's
+  // retraction. Returns the clock of the cut.
   double stop_from(double ticks, bool program);
 
-  // After motion.hold_from: other moves may come before the program continues. With `hand_over`
-  // the rest of the macro that asked for the pause is among them.
+  // Suspends the program after motion.hold_from(), so that other moves can be made. With
+  // `hand_over`, the rest of the macro that requested the pause is among them.
   void suspend(bool hand_over = false);
   void resume();
   void forget_suspended() {
     motion.forget_suspended();
     suspended_.reset();
   }
-  // M218, for lines that are read from now on, and for the suspended program.
+  // M218: applies to lines that are read from now on, and to the suspended program.
   void set_tool_offset(size_t tool, int axis, double mm);
 
-  // See Motion::set_height_map. The program's Z changes with that of the plan; its offsets stay.
-  // The heights are those at the place of the tool in use: of its nozzle, not of the head.
+  // See Motion::set_height_map. The program's Z follows the plan's Z; its offsets stay. The heights
+  // are measured at the nozzle of the tool in use, not at the head.
   void set_height_map(std::shared_ptr<const HeightMap> map);
-  // At standstill, after a change of the tool or of its offset: the heights are those at its place.
-  // No motor moves; the next move goes to the Z that the program means.
+  // After a change of the tool or of its offset, at standstill: takes the heights at the new nozzle
+  // position. No motor moves. The next move goes to the program's Z.
   void follow_tool();
-  // Whether that changes anything.
+  // Whether follow_tool() would change anything.
   bool bed_is_apart() const { return bed_ && tool_offset() != map_offset_; }
 
   // A straight move in machine coordinates, outside of any program. If it is too long, too slow or
-  // not `within`, returns false, changes nothing and sets error().
+  // not `within`, sets error(), changes nothing and returns false.
   bool move_to(const double* target, double feed_mm_s, Within within);
 
-  // Babystep: shifts everything from `ticks` on by `mm` along slot j (X, Y or Z), see
-  // Motion::shift_from; the program's coordinates stay. Returns the clock of the cut. Returns
-  // nothing and sets error() if an end would be out of range, or the axis is not homed.
+  // Babystep: shifts all motion from `ticks` on by `mm` along slot j (X, Y or Z), see
+  // Motion::shift_from. The program's coordinates stay. Returns the clock of the cut. If the end of
+  // a move would be out of range, or the axis is not homed, sets error() and returns nothing.
   std::optional<double> shift_from(double ticks, int j, double mm);
-  // The same, from the end of the moves that are read.
+  // The same, after all moves that are read.
   bool shift(int j, double mm);
-  // Babysteps of `mm` along slot j are part of the height map or of the axis' zero from now on, and
-  // the end of the plan has changed with that. Coordinates of the program stay, and its suspended
-  // moves end where they did. Only at standstill.
+  // The height map or the zero of the axis now includes babysteps of `mm` along slot j, and the end
+  // of the plan has changed accordingly. The coordinates of the program stay. Its suspended moves
+  // end at the same positions. Call this only at standstill.
   void absorb_shift(int j, double mm);
 
-  // Changes the flow of an extruder (M221, a factor) from `ticks` on, in planned, held and
-  // suspended moves and in those still to be read; the program's E stays. Returns the clock of the
-  // cut.
+  // Changes the flow factor of an extruder (M221) from `ticks` on, in planned, held, suspended and
+  // unread moves. The program's E stays. Returns the clock of the cut.
   double scale_flow_from(double ticks, size_t extruder, double flow);
 
-  // Takes over a program's state from another job of the same machine, which has read the program
+  // Copies the state of a program from another job of the same machine, which has read the program
   // up to the machine's position.
   void adopt(Job& other);
 
-  // After homing: the planner takes its position from the program.
+  // After homing: the planner continues from the program's position.
   void settle_position();
 
  private:
   double (*cpu_clock_)();
   std::optional<Interpreter> suspended_;
-  std::shared_ptr<const HeightMap> bed_;  // as it was given
-  std::array<double, 2> map_offset_{};    // of the tool for which the plan has it
+  std::shared_ptr<const HeightMap> bed_;  // as set, without the offset of the tool
+  std::array<double, 2> map_offset_{};    // offset of the tool that the plan's map is for
   std::vector<MoveRequest> batch_;
   Reach reach_;
   ReadEnd read_end_;
-  bool may_be_slow_ = false;  // the last move that is read
+  bool may_be_slow_ = false;  // the last move that was read
   GcodeError error_;
 
   std::array<double, 2> tool_offset() const;
   void use_bed();
 
-  // After a stop: the tool in use is the one of the move that stopped, not of the last line read.
+  // After a stop: selects the tool of the move that stopped. Lines after it may have selected
+  // another one.
   void use_stopped();
 
   double now() const { return cpu_clock_ ? cpu_clock_() : 0; }
 
-  // Checks the last move of the batch. False: it breaks a limit; then it leaves the batch and
-  // error() is set. With `clamp` it leaves the batch, and the result is true.
+  // Checks the last move of the batch. If it breaks a limit, removes it, sets error() and returns
+  // false. With `clamp`, removes it and returns true.
   bool admit(MoveRequest& m);
-  // A move is left out: the next move does not print its filament.
+  // Leaves out a move: the next move does not extrude its filament.
   void leave_out(const MoveRequest& m);
-  // If the move is too slow, returns false, changes nothing and sets error().
+  // If the move is too slow, sets error(), changes nothing and returns false.
   bool push(const MoveRequest& m);
 
   bool may_shift(double ticks, int j, double mm);

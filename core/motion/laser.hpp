@@ -8,9 +8,9 @@
 
 namespace passo {
 
-// Calls value_at(ticks, mean) for consecutive slices of a move: from `ticks` on, until the next,
-// the path speed has this mean (units of the move's path measure a second). Ramps are cut into
-// equal slices of at most kLaserSlice seconds; at constant speed one slice does.
+// Calls value_at(ticks, mean) for consecutive parts of a move. `mean` is the mean path speed from
+// `ticks` to the next call, in units of the path measure per second. Ramps are divided into equal
+// parts of at most kLaserSlice seconds. Constant speed is one part.
 inline constexpr double kLaserSlice = 0.005;
 
 template <class F>
@@ -27,21 +27,22 @@ void each_speed(const Move& m, double hz, F value_at) {
   ramp(m.start + m.t_acc + m.t_cru, m.t_dec, m.vc, -m.b);
 }
 
-// The power of a laser: moves make it follow their speed, and records set it.
+// The power of a laser. A move sets the power in proportion to its speed; a record sets it
+// directly.
 class LaserLight {
  public:
-  static constexpr uint16_t kNone = 0x7fff;  // no output has this number
+  static constexpr uint16_t kNone = 0x7fff;  // not the number of any output
 
   uint16_t target() const { return target_; }
-  // Output `target` is the laser, fully on at `full`.
+  // Output `target` is the laser; `full` is its value for full power.
   void set(uint16_t target, uint32_t full) {
     target_ = target;
     full_ = full;
   }
-  // From now on records, not moves, set the laser's power.
+  // From now on records set the laser's power, not moves.
   void recorded() { follows_ = false; }
-  // Calls put(ticks, value) for each change along a move, each value once; the laser goes off
-  // before a move without power.
+  // Calls put(ticks, value) for each change of the value along a move. The laser goes off before a
+  // move without power.
   template <class Put>
   void follow(const Move& m, double hz, Put&& put) {
     if (m.duty == 0) return off(m.start, put);
@@ -55,13 +56,13 @@ class LaserLight {
     double duty = m.duty * (m.cartesian ? std::sqrt(mm2) : longest) / m.d;
     each_speed(m, hz, [&](double ticks, double speed) { change(ticks, duty * speed, put); });
   }
-  // Switches the laser off if its power has followed moves.
+  // Switches the laser off if a move has set its power.
   template <class Put>
   void off(double ticks, Put&& put) {
     if (follows_) change(ticks, 0, put);
     follows_ = false;
   }
-  // After a cut: whether a move sets the power; the last value is not known.
+  // After a cut: whether a move sets the power from now on. The last value is unknown.
   void cut(bool follows) {
     follows_ = follows;
     value_ = full_ + 1;
@@ -69,8 +70,8 @@ class LaserLight {
 
  private:
   uint16_t target_ = kNone;
-  uint32_t full_ = 0, value_ = 0;  // value_: the last value, while it follows
-  bool follows_ = false;           // the power follows the speed, not a record
+  uint32_t full_ = 0, value_ = 0;  // value_: the last value set by a move
+  bool follows_ = false;           // moves set the power, not records
 
   template <class Put>
   void change(double ticks, double share, Put&& put) {

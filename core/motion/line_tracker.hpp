@@ -1,4 +1,4 @@
-// Which line and layer of the program each part of the motion came from.
+// Tracks from which line and layer of the program each part of the motion comes.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -10,30 +10,31 @@ class ProgramLines {
  public:
   explicit ProgramLines(double clock_hz) : kept_ticks_(kKeptSeconds * clock_hz) {}
 
-  // A move of this line (0: of no program) starts at `ticks`. Kept only once at() was asked.
+  // A move of this line (0: not of the program) starts at `ticks`. Before the first call of at(),
+  // nothing is kept.
   void add(double ticks, uint32_t number, uint32_t layer) {
     if (kept_ && number > 0 && (starts_.empty() || starts_.back().number != number))
       starts_.push_back({ticks, number, layer});
   }
-  // Drops lines that started at `ticks` or later: they will not be executed.
+  // Drops lines that start at `ticks` or later: they will not be executed.
   void cut(double ticks) {
     while (!starts_.empty() && starts_.back().ticks >= ticks) starts_.pop_back();
   }
-  // Another program begins.
+  // A new program starts.
   void forget() { starts_.clear(); }
-  // The line of the move at `ticks`, or of the last one before (0: none). Each call has a clock not
-  // before that of the last call.
+  // The line of the move at `ticks`, or of the last one before it; 0 if there is none. `ticks` must
+  // not decrease from call to call.
   uint32_t at(double ticks) {
     kept_ = true;
     while (starts_.size() > 1 && starts_[1].ticks <= ticks - kept_ticks_) starts_.pop_front();
     return starts_.empty() || starts_[0].ticks > ticks ? 0 : near(ticks);
   }
-  // The same for any clock from a second before the last at() on.
+  // The same for any clock that is at most a second before the last at().
   uint32_t near(double ticks) const {
     const Start* start = find(ticks);
     return start ? start->number : 0;
   }
-  // The layer of the move that near() means (0: before the first layer).
+  // The layer of the move of near(); 0 before the first layer.
   uint32_t layer_near(double ticks) const {
     const Start* start = find(ticks);
     return start ? start->layer : 0;

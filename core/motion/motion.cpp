@@ -50,7 +50,7 @@ void Motion::record(uint16_t target, uint32_t value) {
   auto same =
       std::find_if(records_.rbegin(), near, [=](const Record& r) { return r.target == target; });
   if (target < kMark && same != near) {
-    same->value = value;  // the output would never have the earlier value
+    same->value = value;  // the earlier value would have no effect
     return;
   }
   records_.push_back({target, value, 0});
@@ -240,7 +240,7 @@ double Motion::hold_from(double ticks, double stop_distance) {
   planner_.take_queue(rest);
   planner_.stand(ticks_of_cut_);
   held_.put_first(rest, records_, std::exchange(unattached_, 0));
-  double even = 0;  // deceleration that takes the machine stop_distance far
+  double even = 0;  // deceleration with which the stop takes stop_distance
   if (stop_distance > 0) {
     std::vector<Move> ahead = held_.moves;
     if (std::fabs(length_of(take_braking(ahead, speed2)) - stop_distance) >
@@ -313,7 +313,7 @@ void Motion::resume() {
     planner_.set_position(position, i);
   }
   planner_.set_position(suspended_->end, machine_.extruders.size());
-  // Filament stays where other moves have left it.
+  // Filament stays where the moves during the suspension left it.
   for (size_t i = 0; i < stream_.motors(); ++i)
     if (machine_.pushes_filament(machine_.steppers[i])) stream_.set_count(i, suspended_->counts[i]);
   held_ = std::move(suspended_->held);
@@ -332,7 +332,7 @@ void Motion::resume_plan(std::vector<Move>& moves, double speed2, double clock) 
 
 void Motion::continue_plan(std::vector<Move>& moves, double speed2) {
   resume_plan(moves, speed2, ticks_of_cut_);
-  // Filters may still be moving what the plan has brought to rest.
+  // Filters may still be moving after the plan has come to rest.
   const bool settling = planner_.queued() == 0 && planner_.rests() && settles_at_ > 0;
   held() > 0 || settling ? flush() : process(false);
 }
@@ -442,7 +442,7 @@ void Motion::forget_rules(const Move& oldest) {
 }
 
 double Motion::cut(double ticks, std::vector<Move>& rest) {
-  auto held = stream_.hold();  // the link takes no message until all is cut
+  auto held = stream_.hold();  // the link takes no message until the cut is complete
   in_pieces_ = false;
   int64_t at = std::max(int64_t(std::ceil(std::max(ticks, pieces_end_))), stream_.taken_until());
   ticks_of_cut_ = std::min(double(at), planner_.clock());
@@ -452,7 +452,7 @@ double Motion::cut(double ticks, std::vector<Move>& rest) {
     return speed2;
   }
   stream_.revoke(at, planner_.clock());
-  const int64_t late = at + int64_t(delay());  // for what filters delay
+  const int64_t late = at + int64_t(delay());  // clock of records that the filters delay
   lines_.cut(double(late));
   while (!marks_.empty() && marks_.back().clock > late) marks_.pop_back();
   rest = history_.cut(ticks_of_cut_);
@@ -471,7 +471,7 @@ double Motion::cut(double ticks, std::vector<Move>& rest) {
   }
   uint32_t at_the_end = take_back(late, rest, under_way);
   if (late > at)
-    for (Record& r : placed_)  // of moves before the cut, and not executed yet
+    for (Record& r : placed_)  // of moves before the cut that are not executed yet
       if (r.clock > at && r.target < kMark)
         r.clock = stream_.set_output(r.target, r.value, double(r.clock));
   if (!planner_.attach(at_the_end)) unattached_ += at_the_end;
@@ -488,12 +488,13 @@ uint32_t Motion::take_back(int64_t at, std::vector<Move>& rest, bool under_way) 
   };
   auto later = [&] { return !placed_.empty() && placed_.back().clock > at; };
   for (size_t i = rest.size(); i-- > (under_way ? 1 : 0); next = &rest[i].records) {
-    // Records of this move come before records after it, also within half a tick.
+    // Records that belong to this move come before records after it. Clocks are rounded to half a
+    // tick.
     auto after_move = [&] {
       return rest[i].records > 0 || double(placed_.back().clock) > rest[i].start + delay() + 0.5;
     };
     for (; later() && placed_.back().alone && after_move(); ++*next) back();
-    // A record that is due at the very clock of the cut is executed, before this move.
+    // A record that is due exactly at the cut is executed before this move.
     uint32_t n = 0;
     for (; n < rest[i].records && later(); ++n) back();
     for (size_t k = rest[i].records - n; k > 0; --k) placed_[placed_.size() - k].alone = true;

@@ -10,8 +10,8 @@
 
 namespace passo {
 
-// Sets `moves` to the planned stop from `clock` on, along the moves in `history` and those that the
-// planner still has.
+// Sets `moves` to the stop from `clock` on, along the moves in `history` and in the planner's
+// queue.
 void brake_from(int64_t clock, const History& history, const Planner& planner, double hz,
                 std::vector<Move>& moves);
 

@@ -1,5 +1,5 @@
-// Gaps in the drives of X, Y and Z (backlash), which a motor takes up after each turn. They act on
-// the law of the motor, after all kernels: filters/backlash.hpp.
+// Gaps in the drives of X, Y and Z (backlash), which a motor closes after each turn. This filter
+// acts on the law of the motor, after all kernels: filters/backlash.hpp.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -11,19 +11,19 @@ namespace passo {
 
 struct Gap {
   bool operator==(const Gap&) const = default;
-  double mm = 0, over_mm = 1;                    // over_mm: the distance over which it is taken up
-  double share() const { return mm / over_mm; }  // fraction by which the motor is faster meanwhile
+  double mm = 0, over_mm = 1;  // over_mm: distance during which the motor closes the gap
+  double share() const { return mm / over_mm; }  // additional speed meanwhile, as a fraction
 };
 
 struct DriveGaps {
-  Gap of[3];  // of actuators that are linear; 0 mm: not taken up
+  Gap of[3];  // of linear actuators; 0 mm: no compensation
 
   bool operator==(const DriveGaps&) const = default;
   bool on() const {
     return std::any_of(of, of + 3, [](const Gap& gap) { return gap.mm > 0; });
   }
-  // The fraction by which a motor with this row of the axes is faster than the plan while it takes
-  // up the gap of its drive.
+  // The additional speed of a motor while it closes the gap of its drive, as a fraction. `row`: the
+  // motor's factors for the axes.
   double share(const double* row) const {
     double share = 0;
     for (int j = 0; j < 3; ++j)

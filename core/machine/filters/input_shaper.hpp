@@ -9,8 +9,8 @@
 namespace passo {
 
 struct InputShaper {
-  std::vector<Impulse> of[3];  // by axis, the first impulse at 0 s, ascending; empty: none
-  std::vector<char> in_step;   // by extruder: its filament follows the kernels of X and Y
+  std::vector<Impulse> of[3];  // for each axis, ascending from 0 s; empty: no shaper
+  std::vector<char> in_step;   // for each extruder: its filament follows the kernels of X and Y
 
   bool on() const { return !(of[0].empty() && of[1].empty() && of[2].empty()); }
   void apply(Kernel& kernel, int slot, int) const {

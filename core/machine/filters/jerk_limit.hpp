@@ -1,5 +1,5 @@
-// A limit of jerk: the position of each axis and of the filament is its mean over a time. The jerk
-// of an axis is then its change of acceleration in this time, divided by it.
+// A limit of jerk: the position of each axis and of the filament is averaged over a time. The jerk
+// of an axis is then its change of acceleration within this time, divided by the time.
 #pragma once
 #include <array>
 
@@ -8,7 +8,7 @@
 namespace passo {
 
 struct JerkLimit {
-  double box_s = 0;  // 0: none
+  double box_s = 0;  // 0: no limit
 
   bool on() const { return box_s > 0; }
   void apply(Kernel& kernel, int, int) const { kernel.box_s = box_s; }

@@ -1,4 +1,4 @@
-// What motion filters make of one planned law, in the terms in which laws are solved.
+// The effect of all motion filters on one planned law, in the form that the laws use.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -10,20 +10,21 @@ namespace passo {
 // The position x(t) becomes the sum of weight * x(t - at).
 struct Impulse {
   bool operator==(const Impulse&) const = default;
-  double weight, at;  // s; the weights add up to 1
+  double weight, at;  // at: s; the weights add up to 1
 };
 
-// All filters of one axis, or of an extruder, together: a sum of delayed copies of the planned law,
-// its mean over a time, and what the filament leads. Each filter changes the kernel that those
-// before it have made. A kernel may also reach into the future: Filters::delay makes up for it.
+// The combined filters of one axis or extruder: a sum of delayed copies of the planned law, an
+// average over a time, and pressure advance. Each filter changes the kernel that the filters before
+// it have made. A kernel may need later positions; Filters::delay compensates for that.
 struct Kernel {
   std::vector<Impulse> copies{{1, 0}};
-  double box_s = 0;  // the mean over this time; 0: no mean
-  // The speed of the filament times the advance of the move is added, smoothed by boxes of these
-  // widths; 0: it has no advance.
+  double box_s = 0;  // the position is averaged over this time; 0: not averaged
+  // Pressure advance: the speed of the filament times the advance of the move is added, averaged
+  // over two boxes of these widths. 0: no advance.
   double wide_s = 0, narrow_s = 0;
 
-  // Convolves it with the impulses of a shaper. A constant speed stays in place. None: no change.
+  // Convolves the kernel with the impulses of a shaper, without a delay at constant speed. Empty:
+  // no change.
   void convolve(const std::vector<Impulse>& shaper) {
     if (shaper.empty()) return;
     double mean = 0;
@@ -37,7 +38,7 @@ struct Kernel {
 
   bool shaped() const { return copies.size() > 1; }
   bool advances() const { return narrow_s > 0; }
-  // Seconds by which it reaches into the future, and into the past.
+  // How far the kernel extends to later positions, s. after_s(): to earlier ones.
   double before_s() const {
     double s = 0;
     for (const Impulse& copy : copies) s = std::max(s, half_s() - copy.at);
@@ -56,15 +57,15 @@ struct Kernel {
 // The numbers of one setting of a filter, for one axis or extruder.
 using Numbers = std::vector<double>;
 
-// A setting of a filter: its name in the machine's description and for Job.set_filter. `set` throws
-// std::invalid_argument if the filter has no such axis, or the numbers have no meaning.
+// A setting of a filter, by its name in the machine's description and in Job.set_filter. `set`
+// throws std::invalid_argument if the filter does not have the axis, or the numbers are not valid.
 template <class Filter>
 struct Setting {
   const char* name;
   void (*set)(Filter& filter, size_t index, const Numbers& numbers);
 };
 
-// The impulses of the numbers weight, s, weight, s, ...
+// Reads impulses from the numbers weight, s, weight, s, ...
 inline std::vector<Impulse> impulses_of(const Numbers& numbers) {
   constexpr size_t kMost = 5;
   if (numbers.size() > 2 * kMost || numbers.size() % 2 != 0)
@@ -73,12 +74,12 @@ inline std::vector<Impulse> impulses_of(const Numbers& numbers) {
   for (size_t i = 0; i < numbers.size(); i += 2) impulses.push_back({numbers[i], numbers[i + 1]});
   return impulses;
 }
-// One of X, Y and Z.
+// Checks the number of an axis: X, Y or Z.
 inline size_t axis_of(size_t index) {
   if (index > 2) throw std::invalid_argument("only X, Y and Z have this filter");
   return index;
 }
-// The value of one extruder, among so many as are known.
+// The value of one extruder. The list grows if necessary.
 template <class T>
 T& at_extruder(std::vector<T>& all, size_t index) {
   if (all.size() <= index) all.resize(index + 1);

@@ -8,22 +8,24 @@
 
 namespace passo {
 
-// Above `mm_s` of filament, each further mm/s counts with the fraction `share` of the advance.
+// Above the speed `mm_s` of filament, additional speed counts with the fraction `share` of the
+// advance.
 struct Knee {
-  double mm_s, share;  // share: 0 to 1, at most that of the knee before it
+  double mm_s, share;  // share: 0 to 1, at most that of the knee before
 };
 
 struct PressureAdvance {
-  std::vector<double> half_s;  // by extruder: half of the width over which the advance is smoothed;
-                               // 0: the extruder has no advance
-  std::vector<std::vector<Knee>> knees;  // by extruder, ascending; none: advanced in proportion
+  std::vector<double> half_s;  // for each extruder, half the width over which its advance is
+                               // averaged; 0: no advance
+  std::vector<std::vector<Knee>>
+      knees;  // for each extruder, ascending; none: advance in proportion to speed
 
   bool on() const {
     return std::any_of(half_s.begin(), half_s.end(), [](double s) { return s > 0; });
   }
   bool has(size_t extruder) const { return extruder < half_s.size() && half_s[extruder] > 0; }
-  // The advance is smoothed by a triangle, unless the mean of all axes is over more than half of
-  // its width.
+  // The advance is averaged by a triangle. If all axes are averaged over more than half its width,
+  // the box of the axes replaces one of the triangle's two boxes.
   void apply(Kernel& kernel, int, int extruder) const {
     if (extruder < 0 || !has(size_t(extruder))) return;
     kernel.narrow_s = half_s[size_t(extruder)];
