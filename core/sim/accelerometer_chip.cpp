@@ -10,7 +10,7 @@ namespace {
 
 constexpr uint8_t kRead = 0x80, kAddress = 0x3f;
 
-// Registers of an ADXL345 (Analog Devices, rev. G) and of a LIS2DW12 (ST, DocID030836).
+// Registers of the ADXL345 (Analog Devices, rev. G) and of the LIS2DW12 (ST, DocID030836).
 constexpr uint8_t kAdxlRate = 0x2c, kAdxlPower = 0x2d, kAdxlData = 0x32, kAdxlFifo = 0x39;
 constexpr uint8_t kLisOdr = 0x20, kLisData = 0x28, kLisFifo = 0x2f;
 constexpr uint8_t kAdxlId = 0xe5, kLisId = 0x44;
@@ -40,7 +40,7 @@ Bytes AccelerometerChip::read(uint8_t address, Ticks clock) {
   return out;
 }
 
-// A read that begins with the data takes the next sample.
+// Before a read of the first data register, the next sample leaves the FIFO.
 void AccelerometerChip::show(uint8_t address) {
   if (address != (kind_ == Kind::adxl345 ? kAdxlData : kLisData) || fifo_.empty()) return;
   shown_ = fifo_.front();
@@ -60,7 +60,7 @@ bool AccelerometerChip::begin(bool reads) {
   return false;
 }
 
-// The first byte is the address of a register.
+// The first byte of a write is the address of a register.
 bool AccelerometerChip::take(uint8_t byte, Ticks clock) {
   now_ = clock;
   if (std::exchange(pointed_, true))
@@ -70,7 +70,7 @@ bool AccelerometerChip::take(uint8_t byte, Ticks clock) {
   return true;
 }
 
-// After the last byte of a sample, the first one of the next sample follows.
+// The register after the last byte of a sample is the first byte of the next sample.
 uint8_t AccelerometerChip::give(Ticks clock) {
   fill(clock);
   const uint8_t address = pointer_ & kAddress;
@@ -142,7 +142,8 @@ int16_t AccelerometerChip::quantized(double mm_s2, int axis) {
   return int16_t(std::clamp(std::floor(mm_s2 / unit + 0.5), -8192.0, 8191.0) * 4);
 }
 
-// The sum of twelve numbers of 0 to 1, less 6, is close to normal (xorshift64, Marsaglia 2003).
+// The sum of twelve numbers from 0 to 1, minus 6, has nearly a normal distribution. The numbers are
+// from xorshift64 (Marsaglia 2003).
 double AccelerometerChip::normal() {
   double sum = -6;
   for (int i = 0; i < 12; ++i) {

@@ -12,36 +12,37 @@
 
 namespace passo::wire {
 
-// An ADXL345 (13 bits, ±16 g, 3200 samples a second) or a LIS2DW (14 bits, ±16 g, 1600). It
-// measures what its place does, and the earth's gravity along Z. A sample is the mean over its
-// interval, with noise. Samples wait in a FIFO of 32; then the oldest is lost. Unplugged, it
-// answers nothing.
+// An ADXL345 (13 bits, ±16 g, 3200 samples per second) or a LIS2DW (14 bits, ±16 g, 1600). It
+// measures the acceleration of the part that it is mounted on, and gravity along Z. A sample is the
+// mean over its interval, with noise. The FIFO holds 32 samples; when it is full, the oldest is
+// lost. If not `plugged`, the chip does not answer.
 class AccelerometerChip {
  public:
   enum class Kind : uint8_t { adxl345, lis2dw };
-  // Velocities of the place, mm/s, at a clock; calls are in the order of time.
+  // Velocity of the part that carries the chip, mm/s, at a clock. The clock does not decrease from
+  // call to call.
   using Velocity = std::function<std::array<double, 3>(Ticks)>;
   static constexpr double kNoise = 50;  // mm/s², rms
 
   AccelerometerChip(Kind kind, double clock_hz) : kind_(kind), hz_(clock_hz) {}
 
-  // The chip calls `measures` when it begins or ends to measure.
+  // Mounts the chip. It calls `measures` when it starts or stops measuring.
   void place(Velocity velocity, std::function<void(bool)> measures) {
     velocity_ = std::move(velocity);
     measures_ = std::move(measures);
   }
   bool plugged = true;
-  int nacks = 0;          // this number of its next addresses on I2C is not acknowledged
-  double rate_error = 0;  // of the chip's own clock, as a fraction
+  int nacks = 0;          // a fault: the next addresses on I2C that are not acknowledged
+  double rate_error = 0;  // error of the chip's clock, as a fraction
 
-  // A transfer begins.
+  // A transfer starts.
   Bytes answer(Ticks clock);
-  // The bytes of the registers from this address on, after the byte of the address.
+  // The bytes that follow the address in a read transfer.
   Bytes read(uint8_t address, Ticks clock);
-  // The whole transfer.
+  // The bytes of a complete transfer.
   void take(const Bytes& in);
 
-  // The same over I2C, byte by byte.
+  // The chip on I2C, byte by byte.
   static I2cChip on_i2c(std::shared_ptr<AccelerometerChip> chip);
 
  private:
@@ -61,7 +62,7 @@ class AccelerometerChip {
   std::array<double, 3> last_{};
   std::deque<Sample> fifo_;
   Sample shown_{};
-  uint8_t pointer_ = 0;  // on I2C: the next register
+  uint8_t pointer_ = 0;  // next register on I2C
   bool pointed_ = false;
   uint64_t random_ = 0x9e3779b97f4a7c15u;
 

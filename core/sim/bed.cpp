@@ -13,7 +13,7 @@ double Bed::height(double x, double y) const {
 }
 
 double Noise::next(double sigma) {
-  double sum = 0;  // of twelve even ones: the normal distribution to within 6 sigma
+  double sum = 0;  // sum of twelve uniform numbers: a normal distribution up to 6 sigma
   for (int i = 0; i < 12; ++i) {
     state_ = state_ * 1664525u + 1013904223u;
     sum += double(state_ >> 8) / 16777216.0;

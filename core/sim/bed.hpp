@@ -10,11 +10,11 @@
 
 namespace passo::wire {
 
-// A bed that is not flat: its height over a place, in mm of the nozzle's coordinates.
+// A bed that is not flat: its height at X, Y in nozzle coordinates, mm.
 struct Bed {
   double center[2], size[2];  // X and Y
-  double tilt[2] = {0, 0};    // rise over the width and over the depth; zero in the centre
-  double dome = 0;            // height of the centre above the corners
+  double tilt[2] = {0, 0};    // rise over the width and over the depth; zero at the centre
+  double dome = 0;            // height of the centre above the middles of the edges
   double wave = 0, wave_length[2] = {120, 160};
   double lift = 0;  // rise of the whole bed
 
@@ -31,7 +31,7 @@ class Noise {
   uint32_t state_;
 };
 
-// An axis-parallel part of the bed, mm.
+// A rectangle of the bed, mm.
 struct Area {
   double from[2], to[2];
   bool holds(double x, double y) const {
@@ -39,8 +39,8 @@ struct Area {
   }
 };
 
-// One of several motors that carry the gantry, or the bed: they tilt it. At X, Y of the nozzle its
-// position has the weight c · (1, x, y, x y); the weights of all of them add up to 1.
+// One of several motors that lift the gantry or the bed, and so tilt it. For the nozzle at X, Y its
+// position has the weight c · (1, x, y, x y). The weights of all motors add up to 1.
 struct Lift {
   uint32_t motor;  // step pin
   double c[4];
@@ -50,8 +50,8 @@ struct Lift {
   }
 };
 
-// A probe that triggers when the nozzle's height above the bed, at the probe's place, is at most
-// `trigger`. It opens again `hysteresis` higher. Each approach has its own random error.
+// A probe that triggers when the nozzle's height above the bed, at the place of the probe, is at
+// most `trigger`. It opens when it is `hysteresis` higher. Each approach has its own random error.
 struct BedProbe {
   uint32_t pin;
   std::vector<uint32_t> motors;  // one step pin for each actuator
@@ -59,20 +59,21 @@ struct BedProbe {
   Bed bed;
   double offset[2], trigger;
   bool pressed_level;
-  std::vector<Lift> lifts;  // none: the geometry's Z is the same everywhere
+  std::vector<Lift> lifts;  // empty: Z of the geometry is the same everywhere
   double hysteresis = 0, sigma = 0;
   Noise noise{1};
-  int forced = -1;                 // a fault: 0 never triggered, 1 always
-  std::vector<Area> dead, touchy;  // faults: never or always triggered while the nozzle is there
+  int forced = -1;  // a fault: 0 is never triggered, 1 always
+  std::vector<Area> dead,
+      touchy;  // faults: never or always triggered while the nozzle is in these areas
   ProbeMechanism mechanism;
   bool pressed = false;
   double error = 0;
 
-  // The nozzle position for these positions of the actuators; false if there is none.
+  // The nozzle position for these actuator positions; false if there is none.
   bool nozzle(const double* q, double p[3]) const { return geometry->forward(q, p); }
-  // Z of the gantry at a place, where the geometry's is `z`.
+  // Z of the gantry at X, Y, if the geometry's Z is `z`.
   double gantry(double x, double y, double z) const;
-  // Whether the probe is triggered now. Call it in the order of time.
+  // Whether the probe is triggered. The clock must not decrease from call to call.
   bool triggered(const double* q, Ticks clock);
 
  private:

@@ -1,4 +1,4 @@
-// Inputs of the virtual board that it samples together, and reports when they change.
+// Inputs that the virtual board samples together and reports when they change.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -9,10 +9,10 @@
 
 namespace passo::wire {
 
-// A level counts if two samples in a row agree. The board keeps each new state until the host
-// acknowledges it, and reports unacknowledged states again after `retransmit` samples.
+// A level is valid if two samples in a row agree. The board keeps each new state until the host
+// acknowledges it. It reports unacknowledged states again after `retransmit` samples.
 struct BoardButtons {
-  static constexpr size_t kMax = 8;  // inputs, and unacknowledged states
+  static constexpr size_t kMax = 8;  // maximum number of inputs, and of unacknowledged states
 
   std::vector<std::optional<uint32_t>> pins;
   Ticks due = kNever, rest = 0;
@@ -31,7 +31,7 @@ struct BoardButtons {
     states.clear();
   }
 
-  // Takes a sample with `level(pin)`; true if the states must be reported now.
+  // Takes a sample; level(pin) reads an input. Returns whether the states must be reported now.
   template <class Level>
   bool run(const Level& level) {
     uint8_t state = 0;

@@ -11,7 +11,8 @@
 
 namespace passo::wire {
 
-// A digital output (with optional software PWM: value = ticks on of each cycle) or a PWM output.
+// A PWM output, or a digital output that may have software PWM: then the value is the on time of
+// each cycle in ticks.
 class BoardOutput {
  public:
   BoardOutput(uint32_t pin, bool pwm, uint32_t full, uint32_t value, uint32_t default_value,
@@ -23,10 +24,11 @@ class BoardOutput {
   bool is_pwm() const { return pwm_; }
   uint32_t value() const { return value_; }
   size_t slots() const { return queue_.size(); }
-  // Software PWM: only while it is at rest.
+  // Sets the cycle of software PWM, while no value is queued.
   void set_cycle(uint32_t ticks) {
     if (!queue_.empty()) throw Shutdown{Fault::output_queue_busy};
-    if (value_ == full_) value_ = ticks;  // a pulsed output keeps its cycle until the next value
+    if (value_ == full_)
+      value_ = ticks;  // an output that is on keeps its state until the next value
     default_ = default_ ? ticks : 0;
     full_ = ticks;
   }
@@ -63,7 +65,7 @@ class BoardOutput {
   uint32_t full_, default_;
   Ticks max_duration_;
   uint32_t value_;
-  Ticks expires_ = kNever;  // a value other than the default must be renewed before
+  Ticks expires_ = kNever;  // a value other than the default must be renewed before this clock
   std::deque<PinChange> queue_;
   bool tracing_ = false;
   std::vector<PinChange> trace_;
@@ -76,8 +78,8 @@ class BoardOutput {
   }
 };
 
-// Reports the sum of `count` samples, `sample` ticks apart, every `rest` ticks; `range_checks` sums
-// in a row outside minimum…maximum are a fault.
+// Every `rest` ticks, takes `count` samples at intervals of `sample` ticks, and reports their sum.
+// A fault if `range_checks` sums in a row are outside minimum…maximum.
 struct BoardAnalogIn {
   uint32_t pin;
   Ticks begin = kNever, sample = 0, rest = 0;
@@ -87,8 +89,8 @@ struct BoardAnalogIn {
 
   explicit BoardAnalogIn(uint32_t pin_) : pin(pin_) {}
   Ticks next() const { return begin == kNever ? kNever : begin + sample * taken; }
-  // Takes a sample, and adds a sum to `values` if that was its last; true if it is one too many
-  // outside the range.
+  // Takes a sample. After the last one, adds the sum to `values`. Returns true if this sum is the
+  // one too many outside the range.
   bool run(Plant& plant) {
     sum += plant.adc(pin, next());
     if (++taken < count) return false;
@@ -107,7 +109,8 @@ struct BoardAnalogIn {
   }
 };
 
-// Samples its pin every `rest` ticks; `count` equal samples, `sample` ticks apart, trigger.
+// Samples its pin every `rest` ticks. It triggers after `count` equal samples at intervals of
+// `sample` ticks.
 struct BoardEndstop {
   uint32_t pin;
   bool armed = false, wanted = false;
@@ -117,7 +120,7 @@ struct BoardEndstop {
 
   explicit BoardEndstop(uint32_t pin_) : pin(pin_) {}
   Ticks next() const { return armed ? next_sample : kNever; }
-  // True if it triggers.
+  // Takes a sample. Returns whether the endstop triggers.
   bool run(bool level) {
     if (level != wanted) {
       next_sample = (hits > 0 ? first_hit : next_sample) + rest;

@@ -1,6 +1,6 @@
-// A stepper of the virtual board. Commands are executed whole, in closed form: step k of a command
-// (interval, count, add) that follows a step at `start` is due at
-// start + k*interval + add*k*(k-1)/2, k = 1…count.
+// A stepper of the virtual board. A command is executed as a whole, in closed form. Step k of a
+// command (interval, count, add), k = 1…count, is due at start + k*interval + add*k*(k-1)/2, where
+// `start` is the clock of the step before the command.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -15,19 +15,19 @@ namespace passo::wire {
 class BoardMotor {
  public:
   uint32_t step_pin = 0, dir_pin = 0;
-  int64_t trsync = -1;  // oid that stops this motor
+  int64_t trsync = -1;  // object that stops this motor; -1: none
 
   BoardMotor(uint32_t step, uint32_t dir) : step_pin(step), dir_pin(dir), ring_(64) {}
 
-  // Throws Shutdown as a real board would stop.
+  // Throws Shutdown in the cases in which a real board shuts down.
   void queue(Ticks now, uint32_t interval, uint16_t count, int16_t add) {
     if (count == 0) throw Shutdown{Fault::count_zero};
-    if (stopped_) return;  // until reset_step_clock
+    if (stopped_) return;  // commands are ignored until reset_clock()
     int64_t n = count;
     StepRun run{last_, 0, interval, count, add, next_dir_};
     run.end = run.at(n);
     Ticks first = last_ + int64_t(interval);
-    if (last_ <= now) {  // nothing is under way: the first step must still be ahead
+    if (last_ <= now) {  // the motor is idle: the first step must be in the future
       if (first < now)
         throw Shutdown{now - first > late_ ? Fault::step_too_late : Fault::timer_too_close};
     }
@@ -47,7 +47,8 @@ class BoardMotor {
     stopped_ = false;
   }
 
-  // Counts the finished commands. Commands after the first one wait in move slots.
+  // Counts the commands that are finished. The first of the others is in execution; the rest wait
+  // in the move queue.
   void retire(Ticks now) {
     while (head_ != tail_) {
       const StepRun& run = front();
@@ -60,7 +61,7 @@ class BoardMotor {
     retire(now);
     return tail_ - head_ > 1 ? tail_ - head_ - 1 : 0;
   }
-  // Stops at once; later commands are ignored until the clock is set again.
+  // Stops at once. Commands are ignored until reset_clock().
   void stop(Ticks now) {
     retire(now);
     if (head_ != tail_) {
@@ -76,35 +77,36 @@ class BoardMotor {
     stopped_ = true;
   }
 
-  // Steps forward minus steps backward, at a clock not before the last call of any other method.
+  // Steps forward minus steps backward. `clock` must not be before that of an earlier call of any
+  // method.
   int64_t net_at(Ticks clock) {
     retire(clock);
     if (head_ == tail_) return net_;
     const StepRun& run = front();
     return net_ + run.dir * run.done(clock);
   }
-  // Steps both ways, likewise.
+  // All steps, forward and backward, under the same condition.
   int64_t steps_at(Ticks clock) {
     retire(clock);
     return steps_ + (head_ == tail_ ? 0 : front().done(clock));
   }
 
-  // Keeps the commands that are executed within from…to.
+  // Keeps commands that are executed between `from` and `to`.
   void trace(Ticks from, Ticks to) {
     trace_from_ = from;
     trace_to_ = to;
   }
   std::vector<StepRun>& traced() { return trace_; }
 
-  // Keeps executed steps from `now` on for take_followed(); or no longer.
+  // Starts or stops keeping steps that are executed after `now`, for take_followed().
   void follow(Ticks now, bool on) {
     retire(now);
     following_ = on;
     followed_.clear();
     followed_to_ = {head_, head_ == tail_ ? 0 : front().done(now)};
   }
-  // The steps up to `until` since the last call. Later commands may still be stopped, so that
-  // nothing is retired here.
+  // Steps from the last call up to `until`. Commands are not retired here, because later commands
+  // may still be stopped.
   std::vector<StepRun> take_followed(Ticks until) {
     std::vector<StepRun> taken = std::exchange(followed_, {});
     for (; following_ && followed_to_.index != tail_; followed_to_ = {followed_to_.index + 1, 0}) {
@@ -124,7 +126,7 @@ class BoardMotor {
   std::vector<StepRun> ring_;  // size is a power of two
   size_t head_ = 0, tail_ = 0;
   Ticks last_ = 0;  // clock of the last step queued
-  Ticks late_ = 0;  // later than this is "too far in past"
+  Ticks late_ = 0;  // a step that is later than this is "too far in past"
   int64_t net_ = 0, steps_ = 0;
   int8_t next_dir_ = -1;
   bool stopped_ = false;
@@ -132,13 +134,13 @@ class BoardMotor {
   std::vector<StepRun> trace_;
   bool following_ = false;
   struct {
-    size_t index = 0;  // of a command in the ring, not before head_
-    int64_t done = 0;  // its steps that were taken
+    size_t index = 0;  // of a command in the ring, at or after head_
+    int64_t done = 0;  // number of its steps that were taken
   } followed_to_;
   std::vector<StepRun> followed_;
 
   const StepRun& front() const { return ring_[head_ & (ring_.size() - 1)]; }
-  // The command at head_, or what a stop has left of it.
+  // Counts the command at head_, or the part that was executed before a stop.
   void count(const StepRun& run) {
     if (following_ && followed_to_.index == head_) {
       if (run.count > followed_to_.done)

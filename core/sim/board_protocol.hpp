@@ -1,5 +1,5 @@
-// The messages of the virtual board: its message ids are arbitrary, the declarations are those of
-// Klipper's protocol.
+// The messages of the virtual board. Their declarations are those of Klipper's protocol; their ids
+// are arbitrary.
 #pragma once
 #include <cstdint>
 #include <iterator>
@@ -191,7 +191,7 @@ inline constexpr Declaration kReports[] = {
     {int(Report::i2c_response), "i2c_response oid=%c i2c_bus_status=%c response=%*s"},
 };
 
-// Why a board shuts down. The number goes over the wire as static_string_id.
+// Reasons for a shutdown. The number is sent as static_string_id.
 enum class Fault : uint16_t {
   none,
   emergency_stop,
@@ -252,7 +252,7 @@ inline constexpr const char* kFaults[] = {
 };
 static_assert(std::size(kFaults) == size_t(Fault::no_such_button) + 1);
 
-// Thrown by the parts of the board; the board stops all motion and outputs.
+// Thrown by parts of the board. The board then stops all motion and outputs.
 struct Shutdown {
   Fault fault;
 };

@@ -7,7 +7,7 @@
 namespace passo::wire {
 
 namespace {
-constexpr size_t kI2cHead = 4;  // bytes of a report before those that were read
+constexpr size_t kI2cHead = 4;  // bytes of an I2C report before the data
 }
 
 template <class T>
@@ -30,10 +30,11 @@ bool BoardUart::send(Ticks now, Ticks rest, const Bytes& bits, size_t read, Plan
     return true;
   }
   if (delay >= kTimeout) answer_.clear();
-  Ticks look = bit_ / 4;  // four a bit, from the fourth bit on
+  Ticks look = bit_ / 4;  // four samples per bit, from the fourth bit on
   Ticks looks = answer_.empty() ? 257 : ((delay - 4) * bit_ + look - 1) / look + 1;
   due_ += 4 * bit_ + (looks - 1) * look;
-  // Without an answer the last sample ends it; otherwise the bits are read from the next sample on.
+  // Without an answer, the transfer ends with the last sample. Otherwise the bits are read from the
+  // next sample on.
   if (!answer_.empty()) due_ += look + Ticks(8 * read - 1) * bit_;
   return true;
 }
@@ -82,7 +83,7 @@ bool BoardAccelerometer::take(const BoardSpi& spi, Ticks now, Plant& plant) {
   size_t left = in[8] & 0x7f;
   auto extended = [&](size_t i) { return (in[i] & 0xf0) == 0 || (in[i] & 0xf0) == 0xf0; };
   if (!extended(2) || !extended(4) || !extended(6) || in[7] != 0x90 || left > kFifo) {
-    data.insert(data.end(), sample_bytes(), 0xff);  // a disturbed transfer
+    data.insert(data.end(), sample_bytes(), 0xff);  // the transfer was disturbed
     return false;
   }
   data.insert(data.end(), {in[1], in[3], in[5], uint8_t((in[2] & 0x1f) | in[6] << 5),
@@ -178,7 +179,7 @@ void SerialParts::shut_down() {
 
 void SerialParts::empty(uint32_t oid, BoardAccelerometer& it, Ticks now) {
   bool more = true;
-  // More than its FIFO can hold: the answers are not those of the chip.
+  // Limits the loop to the size of the FIFO, in case the answers are not those of the chip.
   for (size_t taken = 0; more && taken < BoardAccelerometer::kFifo; ++taken) {
     more = it.on_i2c ? it.take(get<BoardI2c>(it.bus_oid), now, plant_)
                      : it.take(get<BoardSpi>(it.bus_oid), now, plant_);
@@ -246,7 +247,7 @@ void SerialParts::command(Command id, const uint32_t* a, const Bytes& data, Tick
       auto& it = get<BoardAccelerometer>(a[0]);
       const auto waiting = it.on_i2c ? it.waiting(get<BoardI2c>(it.bus_oid), now, plant_)
                                      : it.waiting(get<BoardSpi>(it.bus_oid), now, plant_);
-      if (!waiting) break;  // a disturbed transfer: the host asks again
+      if (!waiting) break;  // the transfer was disturbed; the host asks again
       auto buffered = uint32_t(it.data.size() + *waiting * it.sample_bytes());
       tell_(Report::sensor_bulk_status,
             {a[0], uint32_t(now), 0, it.sequence, buffered, it.overflows}, nullptr);

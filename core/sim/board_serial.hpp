@@ -1,5 +1,5 @@
-// UARTs of motor drivers, SPI and I2C devices, converters and accelerometers of the virtual board,
-// datagram by datagram.
+// Serial devices of the virtual board: UARTs of motor drivers, SPI and I2C devices, converters and
+// accelerometers. They exchange whole datagrams.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -14,27 +14,28 @@
 
 namespace passo::wire {
 
-inline constexpr uint32_t kMinPeriodTicks = 100;  // with a shorter one a board does nothing else
-inline constexpr size_t kUartBytes = 10;          // of bits, either way
+inline constexpr uint32_t kMinPeriodTicks =
+    100;                                  // a shorter period would keep the board busy all the time
+inline constexpr size_t kUartBytes = 10;  // maximum of bits as bytes, in either direction
 
-// A UART whose answers come when the firmware's would.
+// A UART. Its answers come at the same time as those of the real firmware.
 class BoardUart {
  public:
   BoardUart(uint32_t rx_pin, Ticks bit) : rx_pin_(rx_pin), bit_(bit) {}
 
   Ticks next() const { return due_; }
-  // False while it is busy.
+  // Returns false while the UART is busy.
   bool send(Ticks now, Ticks rest, const Bytes& bits, size_t read, Plant& plant);
   Bytes take();
 
  private:
-  static constexpr int kTimeout = 68;  // bits, from the end of the question
+  static constexpr int kTimeout = 68;  // bits, after the end of the request
   uint32_t rx_pin_;
   Ticks bit_, due_ = kNever;
   Bytes answer_;
 };
 
-// A device that is selected by a pin.
+// An SPI device with a select pin.
 struct BoardSpi {
   uint32_t select_pin;
   bool has_bus = false;
@@ -44,7 +45,7 @@ struct BoardSpi {
   Bytes transfer(Ticks now, const Bytes& data, Plant& plant) const;
 };
 
-// A device with an address on two lines.
+// An I2C device with an address on two lines.
 struct BoardI2c {
   I2cPins pins{};
   uint8_t address = 0;
@@ -54,12 +55,12 @@ struct BoardI2c {
   I2cStatus transfer(Ticks now, const Bytes& out, Bytes& in, Plant& plant) const;
 };
 
-// A converter that is read every `rest` ticks. Words outside minimum…maximum, or with a fault, more
-// than `most_faults` times in a row are a fault of the board.
+// A converter that is read every `rest` ticks. The board shuts down if `max_faults` words in a row
+// are outside minimum…maximum or report a fault.
 struct BoardThermocouple {
-  // How a type is read: the registers of its reading and of its faults, if it has registers; the
-  // number of bytes of the reading; and the bit of the reading that means any fault, if there is no
-  // fault register.
+  // How a type of converter is read: the registers of its reading and its faults, if it has
+  // registers; the number of bytes of the reading; and the bit of the reading that reports a fault,
+  // if there is no fault register.
   struct Type {
     std::optional<uint8_t> word_register, fault_register;
     size_t bytes;
@@ -75,12 +76,12 @@ struct BoardThermocouple {
   void watch(uint32_t word, bool fault);
 
  private:
-  // In the order of the enumeration `thermocouple_type`.
+  // `number` is a value of the enumeration `thermocouple_type`.
   static Type type_of(uint32_t number);
 };
 
-// An accelerometer on an SPI or an I2C device. Every `rest` ticks its FIFO is emptied; samples are
-// reported in blocks.
+// An accelerometer on an SPI or I2C bus. The board empties its FIFO every `rest` ticks and reports
+// the samples in blocks.
 struct BoardAccelerometer {
   uint32_t bus_oid;
   bool lis2dw, on_i2c;
@@ -91,13 +92,13 @@ struct BoardAccelerometer {
   BoardAccelerometer(uint32_t bus, bool lis, bool i2c) : bus_oid(bus), lis2dw(lis), on_i2c(i2c) {}
   Ticks next() const { return begin; }
   size_t sample_bytes() const { return lis2dw ? 6 : 5; }
-  // Of a whole block, which fits in a frame.
+  // Size of a full block, which fits into a frame.
   size_t block_bytes() const { return kBlockBytes / sample_bytes() * sample_bytes(); }
-  // Takes a sample from the chip, or as many as fit in the block over I2C; true if the chip may
-  // have more.
+  // Takes one sample from the chip; over I2C as many as fit into the block. Returns whether the
+  // chip may have more samples.
   bool take(const BoardSpi& spi, Ticks now, Plant& plant);
   bool take(const BoardI2c& i2c, Ticks now, Plant& plant);
-  // The number of samples in the chip; none if the answer was disturbed.
+  // Number of samples in the chip; nothing if the transfer was disturbed.
   std::optional<size_t> waiting(const BoardSpi& spi, Ticks now, Plant& plant);
   std::optional<size_t> waiting(const BoardI2c& i2c, Ticks now, Plant& plant);
 
@@ -108,7 +109,7 @@ struct BoardAccelerometer {
   static constexpr size_t kBlockBytes = 51;
 };
 
-// All of these on one board, by their object numbers.
+// All serial devices of one board, by their oid.
 class SerialParts {
  public:
   using Part = std::variant<BoardUart, BoardSpi, BoardI2c, BoardThermocouple, BoardAccelerometer>;
@@ -119,12 +120,12 @@ class SerialParts {
 
   static bool knows(Command id) { return id >= Command::config_tmcuart; }
   bool has(uint32_t oid) const { return parts_.count(oid) > 0; }
-  // The part that a command creates, or null.
+  // The part that a config command creates; nothing for other commands.
   std::optional<Part> made(Command id, const uint32_t* a);
   void add(uint32_t oid, Part part) { parts_.emplace(oid, std::move(part)); }
 
   using Ahead = std::function<Ticks(uint32_t clock)>;
-  // `ahead` widens a clock that must not be past.
+  // `ahead` converts a 32-bit clock, and checks that it is not in the past.
   void command(Command id, const uint32_t* a, const Bytes& data, Ticks now, const Ahead& ahead);
 
   Ticks next() const;
@@ -133,14 +134,14 @@ class SerialParts {
   void clear() { parts_.clear(); }
 
  private:
-  static constexpr double kUartRest = 200e-6;  // s, before a datagram
+  static constexpr double kUartRest = 200e-6;  // pause before a datagram, s
   Plant& plant_;
   double clock_hz_;
   Tell tell_;
   std::map<uint32_t, Part> parts_;
 
   void empty(uint32_t oid, BoardAccelerometer& it, Ticks now);
-  // So many bytes of a register, or of a converter without registers.
+  // Reads this number of bytes from a register, or from a converter without registers.
   uint32_t ask(const BoardThermocouple& it, std::optional<uint8_t> address, size_t bytes,
                Ticks now);
   template <class T>

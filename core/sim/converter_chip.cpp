@@ -47,7 +47,7 @@ void ConverterChip::measure(double share) {
   } else {
     if ((settings_[0] & 0xc0) != 0xc0) return;
     word_ = of(share);
-    faults_ |= share >= 1 ? 0x80 : share <= 0 ? 0x40 : 0;  // kept until they are cleared
+    faults_ |= share >= 1 ? 0x80 : share <= 0 ? 0x40 : 0;  // stays until the host clears it
   }
 }
 

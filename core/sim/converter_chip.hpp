@@ -1,4 +1,4 @@
-// A simulated converter of a thermocouple or a platinum resistor, according to its data sheet.
+// A simulated converter for a thermocouple or a platinum resistor, according to its data sheet.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace passo::wire {
 
-// MAX31855 and MAX6675 answer with their word. MAX31856 and MAX31865 have registers: the first byte
-// of a transfer is an address, with its highest bit set to write; they do not measure until a
+// MAX31855 and MAX6675 answer with a data word. MAX31856 and MAX31865 have registers: the first
+// byte of a transfer is an address, and its highest bit means a write. They measure only after a
 // command starts the conversion.
 class ConverterChip {
  public:
@@ -17,8 +17,9 @@ class ConverterChip {
 
   bool has_registers() const;
   int spi_mode() const { return has_registers() ? 1 : 0; }
-  // The bytes that the chip returns (with registers: after the first byte) when its sensor reads
-  // this fraction of full scale. 1 is an open sensor, 0 a short circuit.
+  // word(): the answer of a chip without registers, if its sensor reads this fraction of full
+  // scale. 1 is an open sensor, 0 a short circuit. read(): the bytes after the address, for a chip
+  // with registers.
   Bytes word(double share) const;
   Bytes read(uint8_t address, double share);
   void take(const Bytes& in);
@@ -27,15 +28,15 @@ class ConverterChip {
   uint8_t setting(size_t address) const { return settings_.at(address); }
 
  private:
-  static constexpr uint32_t kOwnTemperature = 25 << 8;  // °C, of a MAX31855
+  static constexpr uint32_t kOwnTemperature = 25 << 8;  // of a MAX31855, °C
   heat::Converter kind_;
   std::array<uint8_t, 2> settings_{};
   uint32_t word_ = 0, faults_ = 0;
 
   uint32_t of(double share) const;
   static Bytes bytes(uint32_t word, int size);
-  // Continuous conversion is on, and the detection of open wires, or the bias voltage of the
-  // resistor.
+  // Measures if continuous conversion is on. A MAX31856 also needs the detection of open wires, a
+  // MAX31865 the bias voltage.
   void measure(double share);
 };
 

@@ -7,9 +7,9 @@
 
 namespace passo::wire {
 
-// An AD5206 (Analog Devices, data sheet Rev. E): of a transfer the last eleven bits count, three of
-// the address and eight of the wiper's position; the wiper starts in the middle, and the chip sends
-// no answer.
+// An AD5206 (Analog Devices, data sheet Rev. E). The last eleven bits of a transfer count: three
+// for the address, eight for the position of the wiper. The wipers start in the middle. The chip
+// does not answer.
 class Digipot {
  public:
   void take(const Bytes& in) {

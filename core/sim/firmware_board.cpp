@@ -17,7 +17,8 @@ namespace passo::wire {
 namespace {
 
 std::mutex& mutex() {
-  static auto* mutex = new std::mutex;  // boards may outlive what is destroyed at exit
+  static auto* mutex =
+      new std::mutex;  // never destroyed: boards may live longer than static objects
   return *mutex;
 }
 
@@ -26,7 +27,8 @@ std::map<std::string, std::vector<const host_functions*>>& idle() {
   return *idle;
 }
 
-// The loader identifies a file by its place on the disk, so that each copy needs a file of its own.
+// The loader identifies a library by its file, so each copy of the firmware needs a file of its
+// own.
 const host_functions* load(const std::string& path) {
   std::string copy = (std::filesystem::temp_directory_path() / "passo-firmware-XXXXXX").string();
   int file = mkstemp(copy.data());
@@ -132,7 +134,7 @@ void FirmwareBoard::follow_steps(uint32_t step_pin, bool on) {
   m.followed.clear();
 }
 
-// The firmware has executed none that is later.
+// The firmware has not executed later steps, so the clock is not needed.
 std::vector<StepRun> FirmwareBoard::take_followed(uint32_t step_pin, Ticks) {
   return std::exchange(motor(step_pin).followed, {});
 }

@@ -1,4 +1,4 @@
-// A board whose firmware is Passo's own, as a library in this process, in virtual time.
+// A board that runs Passo's own firmware, as a library in this process, in virtual time.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -12,11 +12,11 @@ struct host_functions;  // firmware/hal/host/host.h
 
 namespace passo::wire {
 
-// A copy of the firmware library for one board: its state is that of the copy. Returned copies are
-// used again by the next board, which powers them on again.
+// A copy of the firmware library with its own state, for one board. When a board is destroyed, the
+// next board uses the copy again and powers it on again.
 class FirmwareLibrary {
  public:
-  // Throws std::runtime_error if it cannot be loaded.
+  // Throws std::runtime_error if the library cannot be loaded.
   explicit FirmwareLibrary(const std::string& path);
   ~FirmwareLibrary();
   FirmwareLibrary(const FirmwareLibrary&) = delete;
@@ -29,7 +29,7 @@ class FirmwareLibrary {
   const host_functions* functions_;
 };
 
-// The dictionary that was built into a firmware library, compressed.
+// The dictionary in a firmware library, compressed.
 Bytes built_dictionary(const std::string& library);
 
 class FirmwareBoard : public Bench {
@@ -40,12 +40,12 @@ class FirmwareBoard : public Bench {
     uint32_t adc_max = 1023;
     Bytes identify;                     // zlib-compressed dictionary
     Ticks start = 0;                    // clock at power-on
-    std::map<int, std::string> faults;  // the dictionary's reasons by their numbers
+    std::map<int, std::string> faults;  // texts of the shutdown reasons, by number
   };
 
   FirmwareBoard(const std::string& library, Options options);
 
-  // A motor driver on these pins; call before the board moves it.
+  // Connects a motor driver to these pins. Call this before the board moves the motor.
   void add_motor(uint32_t step_pin, uint32_t dir_pin, bool step_inverted);
 
   void feed(const uint8_t* data, size_t n, Ticks now) override;
@@ -65,7 +65,7 @@ class FirmwareBoard : public Bench {
   uint32_t output_value(uint32_t pin) override { return output(pin).value; }
   void trace_output(uint32_t pin) override { output(pin).tracing = true; }
   std::vector<PinChange> take_changes(uint32_t pin) override;
-  // From now on keeps all edges of a pin, for take_edges().
+  // From now on keeps all edges of a pin for take_edges().
   void trace_edges(uint32_t pin) { edges_[pin]; }
   std::vector<PinChange> take_edges(uint32_t pin) { return std::exchange(edges_[pin], {}); }
 
@@ -89,7 +89,7 @@ class FirmwareBoard : public Bench {
   const Options options_;
   FirmwareLibrary firmware_;
   std::vector<Motor> motors_;
-  std::vector<int> motor_of_;  // by step pin; -1: none
+  std::vector<int> motor_of_;  // by step pin; -1: no motor
   std::map<uint32_t, Output> outputs_;
   std::map<uint32_t, std::vector<PinChange>> edges_;
 

@@ -70,7 +70,7 @@ bool HeadDynamics::forward(double p[3]) const {
   return geometry_->forward(q, p);
 }
 
-// The masses are where the motors are now.
+// Moves the masses to the present positions of the motors.
 void HeadDynamics::settle() {
   double p[3];
   if (forward(p)) std::copy_n(p, 3, motor_);

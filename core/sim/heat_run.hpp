@@ -1,5 +1,5 @@
-// A heater loop and the body that it heats, without a board between them. Plans use it to predict
-// how long heating takes. Control, arrival and body are those of a simulated printer.
+// A heater loop with the body that it heats, without a board. Plans use it to predict how long
+// heating takes. Control and body are the same as in a simulated printer.
 #pragma once
 #include <cstdint>
 
@@ -10,13 +10,14 @@ namespace passo::wire {
 
 class HeatRun {
  public:
-  // The options' table maps fractions of full scale to °C, the body's °C to fractions.
+  // The table of `options` converts fractions of full scale to °C. The table of `body` does the
+  // reverse.
   HeatRun(HeaterOptions options, HeatedBody body);
   Heater& heater() { return heater_; }
 
   // Sets the speed of the fan that cools the body, 0 to 1.
   void set_fan(double speed);
-  // Lets time pass, to the millisecond.
+  // Lets time pass, with a resolution of 1 ms.
   void run(double seconds);
 
  private:
@@ -27,7 +28,7 @@ class HeatRun {
   Heater heater_;
   Plant plant_;
   Ticks now_ = 0, next_ = 0;
-  double rest_ = 0;  // of a tick
+  double rest_ = 0;  // fraction of a tick
 };
 
 }  // namespace passo::wire

@@ -12,7 +12,7 @@ void I2cDevice::edge(uint32_t pin, bool level, Ticks clock) {
   } else if (pin == pins_.data) {
     data_level_ = level;
     if (!clock_level_) return;
-    // A transfer begins, or ends.
+    // The data line changes while the clock is high: a transfer starts or ends.
     mode_ = level ? Mode::idle : Mode::addressed;
     bits_ = 0;
     pulls_ = false;
@@ -22,7 +22,8 @@ void I2cDevice::edge(uint32_t pin, bool level, Ticks clock) {
 void I2cDevice::rise() {
   if (mode_ == Mode::idle) return;
   if (bits_ < 8 && mode_ != Mode::gives) byte_ = uint8_t(byte_ << 1 | data_level_);
-  if (bits_ == 8 && mode_ == Mode::gives && data_level_) mode_ = Mode::idle;  // enough
+  if (bits_ == 8 && mode_ == Mode::gives && data_level_)
+    mode_ = Mode::idle;  // not acknowledged: the host has read enough
   ++bits_;
 }
 

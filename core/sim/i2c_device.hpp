@@ -1,4 +1,4 @@
-// A simulated device on an I2C bus, as levels of its two lines.
+// A simulated device on an I2C bus, at the level of its two lines.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -13,11 +13,11 @@ struct I2cPins {
   bool operator==(const I2cPins&) const = default;
 };
 
-// How a transfer ended, in the numbers of the enumeration `i2c_bus_status`.
+// How a transfer ended. The numbers are those of the enumeration `i2c_bus_status`.
 enum class I2cStatus : uint8_t { success, nack, bus_timeout, start_nack, start_read_nack };
 
-// The chip on the bus, byte by byte. `begin`: it was addressed, to be written or read; `take`: it
-// gets a byte. Both return whether it acknowledges. `give`: it is read.
+// A chip on the bus. begin(): it is addressed for a write or a read. take(): it receives a byte.
+// Both return whether it acknowledges. give(): it sends a byte.
 struct I2cChip {
   std::function<bool(bool reads)> begin;
   std::function<bool(uint8_t byte, Ticks)> take;
@@ -32,12 +32,12 @@ class I2cDevice {
   const I2cPins& pins() const { return pins_; }
   uint8_t address() const { return address_; }
 
-  // The board pulls one of the lines low, or releases it.
+  // The board pulls a line low, or releases it.
   void edge(uint32_t pin, bool level, Ticks clock);
-  // Whether it pulls the data line low.
+  // Whether the device pulls the data line low.
   bool pulls() const { return pulls_; }
 
-  // A whole transfer at once: `out` is written, then `in` is read, as many bytes as it has.
+  // A complete transfer: `out` is written, then `in` is filled.
   I2cStatus exchange(const Bytes& out, Bytes& in, Ticks clock);
 
  private:
@@ -48,7 +48,7 @@ class I2cDevice {
   Mode mode_ = Mode::idle;
   bool clock_level_ = true, data_level_ = true, pulls_ = false;
   uint8_t byte_ = 0;
-  int bits_ = 0;  // of the byte; the ninth is the acknowledgement
+  int bits_ = 0;  // of the byte; bit 9 is the acknowledgement
 
   void rise();
   void fall(Ticks clock);

@@ -1,4 +1,4 @@
-// A device whose clock and cable are not perfect.
+// A device with an inaccurate clock and a disturbed cable.
 #pragma once
 #include <array>
 #include <cmath>
@@ -11,30 +11,32 @@
 
 namespace passo::wire {
 
-// The device's clock reads `start` when host time is 0, and is `drift` faster (a fraction: 1e-6 is
-// 1 ppm). Bytes travel `latency` ticks of host time each way, and up to `jitter` ticks longer,
-// never overtaking each other; the same on every computer.
+// The device's clock reads `start` at host time 0, and runs faster by the fraction `drift` (1e-6 is
+// 1 ppm). Bytes take `latency` ticks of host time in each direction, plus a random time up to
+// `jitter`. They do not overtake each other. The random numbers are the same on every computer.
 class Distant : public Device {
  public:
   Distant(Device& device, Ticks start, double drift, Ticks latency, Ticks jitter, uint32_t seed)
       : device_(device), start_(start), rate_(1 + drift), latency_(latency), jitter_(jitter),
         random_(seed) {}
 
-  // The device's clock at a host time, and the first host time at which it reads at least `clock`.
+  // The device's clock at a host time. host_at(): the first host time at which the device's clock
+  // reads at least `clock`.
   Ticks clock_at(Ticks host) const { return start_ + Ticks(std::floor(double(host) * rate_)); }
   Ticks host_at(Ticks clock) const;
 
-  // Host time, as far as it has passed here.
+  // Latest host time that was simulated.
   Ticks now() const { return now_; }
-  // While it is cut, bytes in both directions are lost.
+  // While the link is cut, bytes in both directions are lost.
   void cut(bool on) { cut_ = on; }
-  // Damages this fraction of all bytes in both directions: a byte is changed, lost, doubled,
-  // swapped with the one before, or preceded by a random one; bytes sent together may arrive in two
-  // parts. Damages this fraction of all frames: a frame is lost, doubled, swapped with the next
-  // one, or arrives late, together with later ones. A frame overtakes at most one other: its number
-  // has four bits and twelve frames may be on their way, so older frames could not be recognised.
+  // Damages the fraction `bytes` of all bytes in both directions: a byte is changed, lost, doubled,
+  // swapped with the one before, or follows a random byte. Bytes that are sent together may arrive
+  // in two parts. Also damages the fraction `frames` of all frames: a frame is lost, doubled,
+  // swapped with the next one, or late together with the frames after it. A frame overtakes at most
+  // one other frame: sequence numbers have four bits and up to twelve frames may be in transit, so
+  // an older frame could be mistaken for a new one.
   void spoil(double bytes, double frames) { spoilt_ = bytes, frames_ = frames; }
-  // How many frames were lost, doubled, swapped and late so far.
+  // Number of frames that were lost, doubled, swapped and late so far.
   const std::array<int, 4>& spoilt_frames() const { return counts_; }
 
   void feed(const uint8_t* data, size_t n, Ticks now) override;
@@ -43,12 +45,11 @@ class Distant : public Device {
   bool stopped() const override { return device_.stopped(); }
 
  private:
-  static constexpr Ticks kHeldTrips = 8, kLateTrips = 40;  // in times of a trip
+  static constexpr Ticks kHeldTrips = 8, kLateTrips = 40;  // multiples of latency + jitter
   struct Way {
-    std::deque<std::pair<Ticks, Bytes>> flying;  // bytes by their time of arrival
-    Bytes held;                                  // a frame that is delivered after the next one
-    Ticks until = 0;                             // when the held frame is delivered if no other
-                                                 // frame has followed
+    std::deque<std::pair<Ticks, Bytes>> flying;  // bytes with their time of arrival
+    Bytes held;                                  // a frame that is sent after the next one
+    Ticks until = 0;                             // latest time at which the held frame is sent
   };
   Device& device_;
   Ticks start_;
@@ -62,7 +63,8 @@ class Distant : public Device {
 
   double random();
   void carry(Way& way, const Bytes& bytes, Ticks now);
-  // Bytes of the frame that some begin with, and of the marks before it; all if they do not.
+  // Length of the first frame including the sync bytes before it; n if the data does not start with
+  // a frame.
   static size_t frame_size(const uint8_t* data, size_t n);
   void release(Way& way, Ticks now);
   void send(Way& way, Bytes bytes, Ticks now, Ticks late);

@@ -22,7 +22,7 @@ Ticks LiveBoard::now() {
 void LiveBoard::serve() {
   try {
     serve_on();
-  } catch (const std::exception&) {  // of a simulated part: this board is silent from now on
+  } catch (const std::exception&) {  // from a simulated part: this board stays silent from now on
     cable_.cut();
   }
 }
@@ -42,7 +42,7 @@ void LiveBoard::serve_on() {
     if (!in.empty()) device_.feed(in.data(), in.size(), now());
   }
   std::lock_guard lock(guard_);
-  device_.poll(now(), cable_.outgoing());  // its remaining work
+  device_.poll(now(), cable_.outgoing());  // finishes its work
 }
 
 }  // namespace passo::wire

@@ -1,4 +1,4 @@
-// A device of this process at the end of a cable, in real time: a simulated board for hosts.
+// A simulated board in real time, at the end of a cable, for real hosts.
 #pragma once
 #include <atomic>
 #include <mutex>
@@ -11,9 +11,9 @@ namespace passo::wire {
 
 class LiveBoard {
  public:
-  // Starts at once, at this clock of the device. Until stop(), use the device under guard() only.
-  // Its clock runs with the computer's, but pauses while the computer does not schedule the thread,
-  // like the clock of a halted chip.
+  // Starts at once, with the device's clock at `start`. Until stop(), use the device only while
+  // guard() is locked. The clock follows real time, but pauses while the computer does not run the
+  // thread, like that of a halted chip.
   LiveBoard(Device& device, int fd, double clock_hz, Ticks start = 0)
       : device_(device), cable_(fd), hz_(clock_hz), now_(start), seen_(monotonic_ticks(clock_hz)),
         thread_([this] { serve(); }) {}

@@ -1,11 +1,12 @@
-// A nozzle behind a spring of filament: the flow follows the extruder's speed late.
+// A nozzle with a spring of filament before it: the flow lags behind the extruder's speed.
 #pragma once
 #include <cmath>
 
 namespace passo::wire {
 
-// First order, τ q' + q = e': filament (Hooke) presses molten plastic through the nozzle
-// (Poiseuille). Exact between steps: q decays by e^(-t/τ), and each step of Δe adds Δe/τ.
+// First-order lag, τ q' + q = e': the filament is a spring (Hooke) that presses plastic through the
+// nozzle (Poiseuille). The calculation is exact: q decays by e^(-t/τ) between steps, and a step of
+// Δe adds Δe/τ.
 class NozzlePressure {
  public:
   explicit NozzlePressure(double time_constant_s) : tau_(time_constant_s) {}
@@ -20,9 +21,9 @@ class NozzlePressure {
   void rest() { flow_ = pushed_ = 0; }
 
   double time_constant_s() const { return tau_; }
-  // Filament that leaves the nozzle, mm/s.
+  // Speed at which filament leaves the nozzle, mm/s.
   double flow() const { return flow_; }
-  // Filament that has left it since it was at rest, mm: the integral of the flow.
+  // Length of filament that has left the nozzle since rest(), mm.
   double extruded() const { return pushed_ - tau_ * flow_; }
 
  private:

@@ -138,7 +138,7 @@ bool Plant::level(uint32_t pin, Ticks clock, const Position& position) {
     for (Lift& lift : probe.lifts) lift.position = position(lift.motor);
     return probe.triggered(q.data(), clock) == probe.pressed_level;
   }
-  return true;  // an open input with its pull-up
+  return true;  // an input that is not connected: the pull-up wins
 }
 
 }  // namespace passo::wire

@@ -1,6 +1,6 @@
-// The simulated printer around the virtual board: motors move actuators, actuators trigger
-// endstops, heaters warm bodies, thermistors measure them. Its interface is pins and clocks, as for
-// real parts.
+// The simulated printer around the virtual board. Motors move actuators, actuators trigger
+// endstops, heaters heat bodies, and sensors measure them. As with real parts, the interface is
+// pins and clocks.
 #pragma once
 #include <cstdint>
 #include <deque>
@@ -17,40 +17,40 @@
 
 namespace passo::wire {
 
-// The actuator of one motor: position = start + net steps * per_step (negative if the motor's
-// direction pin is inverted). Units: mm, or degrees.
+// The actuator of one motor: position = start + net steps * per_step, in mm or degrees. per_step is
+// negative if the direction pin of the motor is inverted.
 struct Actuator {
   uint32_t step_pin;
   double start, per_step;
 };
 
-// An endstop that is triggered at or beyond `position`, seen from inside the travel, of the
-// combined position of some actuators: the sum of their positions, each with its weight.
+// An endstop that is triggered when a combined position is at `position` or beyond it, towards the
+// end of the travel. The combined position is the weighted sum of actuator positions.
 struct Switch {
   uint32_t pin;
   std::vector<std::pair<uint32_t, double>> weights;  // step pin, weight
   double position;
   bool at_maximum;
   bool pressed_level;
-  int forced = -1;  // a fault: 0 never triggered, 1 always, 2 changes every kFlickerSeconds
-  // The wheel of a filament sensor: with a length, the level changes each time the combined
-  // position has moved by it.
+  int forced = -1;  // a fault: 0 is never triggered, 1 always, 2 changes every kFlickerSeconds
+  // If not 0, this is the wheel of a filament sensor: its level changes each time the combined
+  // position has moved by this length.
   double edge_mm = 0;
 
   static constexpr double kFlickerSeconds = 0.005;
 };
 
-// A heated body and its sensor, each of first order: the body tends to ambient + rise * duty, and
-// loses (1 + fan_loss * duty of the fan) times as much heat as it does without a fan.
+// A heated body and its sensor, both first-order. Without a fan the body approaches ambient + rise
+// * duty. With a fan it loses (1 + fan_loss * duty of the fan) times as much heat.
 struct HeatedBody {
   uint32_t heater_pin, sensor_pin;
   double ambient_c, rise_c, time_constant_s, sensor_time_constant_s;
   heat::Curve adc_ratio;  // °C → fraction of the ADC's full scale
-  uint32_t fan_pin = 0;   // with a fan_loss of 0: none
+  uint32_t fan_pin = 0;   // unused if fan_loss is 0
   double fan_loss = 0;
   double body_c = 0, sensor_c = 0;
 
-  // A pin's duty over the time since the last step.
+  // The mean duty of a pin during a simulation step.
   struct Mean {
     double duty = 0, sum = 0;  // sum: duty * ticks
     Ticks since = 0;
@@ -71,8 +71,8 @@ struct HeatedBody {
     }
   } heat, fan;
 
-  // Faults: the value that the ADC reads instead, the power of the heater instead, if ≥ 0; noise of
-  // the ADC as a fraction of full scale; a detached sensor.
+  // Faults: a fixed ratio at the ADC, or a fixed duty of the heater, if not negative; noise of the
+  // ADC as a fraction of full scale; a sensor that has fallen off.
   double forced_ratio = -1, forced_duty = -1, noise = 0;
   bool fallen = false;
 };
@@ -83,7 +83,7 @@ class Plant {
   std::vector<Switch> switches;
   std::vector<BedProbe> probes;
   std::vector<HeatedBody> bodies;
-  std::vector<uint32_t> low_is_on;  // output pins
+  std::vector<uint32_t> low_is_on;  // output pins that are on at low level
   std::deque<UartLine> uarts;
   std::deque<SpiDevice> spi_devices;
   std::deque<I2cDevice> i2c_devices;
@@ -95,29 +95,30 @@ class Plant {
   void add_body(HeatedBody body);
   void add_probe(BedProbe probe);
 
-  // An output pin is high for `duty` of the time from `clock` on.
+  // From `clock` on, an output pin is high for the fraction `duty` of the time.
   void set_output(uint32_t pin, Ticks clock, double duty);
-  // The reading of the sensor on a pin at `clock`, as a fraction of full scale; 1 if there is none.
+  // The reading of the sensor on a pin, as a fraction of full scale; 1 without a sensor.
   double share(uint32_t pin, Ticks clock);
   uint32_t adc(uint32_t pin, Ticks clock) { return uint32_t(share(pin, clock) * adc_max_ + 0.5); }
-  // A pin of a UART, an SPI or an I2C bus takes a level.
+  // An edge on a pin of a UART, SPI or I2C bus.
   void edge(uint32_t pin, bool level, Ticks clock);
   UartLine* uart(uint32_t rx_pin);
   SpiDevice* spi_device(uint32_t select_pin);
   I2cDevice* i2c_device(I2cPins pins, uint8_t address);
   using Position = std::function<double(uint32_t step_pin)>;
-  // Level of an input pin; position(step_pin) returns the position of a motor's actuator.
+  // The level of an input pin. position(step_pin) returns an actuator position.
   bool level(uint32_t pin, Ticks clock, const Position& position);
-  // Parts that sense the head's position take a sample; returns the time of their next one.
+  // Parts that detect the position of the head take a sample. next_look(): clock of the next
+  // sample.
   void look(Ticks clock, const Position& position);
   Ticks next_look() const { return next_look_; }
   double position(uint32_t step_pin, int64_t net) const;
   // Moves the actuator, as if by hand.
   void place(uint32_t step_pin, int64_t net, double position);
-  // The board was reset: step counts start at 0 again, the actuators keep their positions.
+  // The board was reset, so that its step counts restart at 0. The actuators keep their positions.
   void rebase(uint32_t step_pin, int64_t net);
 
-  // Fixed time steps: the result does not depend on the times of the calls.
+  // Simulates in fixed time steps, so that the result does not depend on when it is called.
   void run_until(Ticks clock);
 
  private:
@@ -131,7 +132,8 @@ class Plant {
   Ticks done_;
   uint32_t random_ = 1;
 
-  // -1…1, the same on every computer: a linear congruential generator (Numerical Recipes).
+  // A random number from -1 to 1, the same on every computer: linear congruential generator
+  // (Numerical Recipes).
   double random();
 };
 

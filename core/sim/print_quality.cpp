@@ -7,27 +7,29 @@ namespace passo::wire {
 
 namespace {
 
-constexpr double kQuietSeconds = 0.3;  // without a step nothing is measured any more
-constexpr double kAheadMm = 0.05;      // the place on the path may leap ahead by this
-constexpr double kLeapFromMm = 0.15;   // motors that are farther off may have left out a detour
-constexpr double kLeapReach = 20;      // by this times the distance beyond that
-constexpr double kLeapCost = 0.05;     // mm of distance from the path that a leap by 1 mm is worth
-constexpr double kOnLineMm = 0.02;     // motors that are so near to a line are on it
-constexpr double kStraight = 0.9994;   // cosine of the largest bend of a line
-constexpr double kRelaxing = 5;        // time constants until a nozzle has its steady flow
-constexpr double kNearCornerMm = 1.0;  // the head's way is compared with a corner that far
-constexpr double kFarMm = 2.0;         // the motors do not follow the path any more
-constexpr double kPastMm = 10;         // of path before the place, with which a head is compared
-constexpr double kRecordSeconds = 0.15;  // of a picture, after its corner
-constexpr double kLastsSeconds = 0.1;    // a line is long enough for a picture
-constexpr size_t kPast = 120;            // samples of a picture before its corner
+constexpr double kQuietSeconds = 0.3;  // if there is no step for so long, measuring pauses
+constexpr double kAheadMm =
+    0.05;  // maximum jump of the place along the path, plus twice the motion
+constexpr double kLeapFromMm =
+    0.15;  // if the motors are farther from the path, they may have cut off a detour
+constexpr double kLeapReach = 20;        // longest jump over a detour, per mm of that distance
+constexpr double kLeapCost = 0.05;       // a jump of 1 mm counts as this distance from the path, mm
+constexpr double kOnLineMm = 0.02;       // motors within this distance are on the line
+constexpr double kStraight = 0.9994;     // cosine of the largest bend within a line
+constexpr double kRelaxing = 5;          // number of time constants until the flow is steady
+constexpr double kNearCornerMm = 1.0;    // distance from a corner within which rounding is measured
+constexpr double kFarMm = 2.0;           // at this distance, the motors have lost the path
+constexpr double kPastMm = 10;           // length of path behind the place that is kept
+constexpr double kRecordSeconds = 0.15;  // duration of a picture after its corner
+constexpr double kLastsSeconds = 0.1;    // minimum duration of a line for a picture
+constexpr size_t kPast = 120;            // number of samples in a picture before its corner
 
 double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 double distance(const double a[3], const double b[3]) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
-// The distance of a point from the line between two others.
+// Distance of a point from the line between a and b.
 double from_line(const double point[3], const double a[3], const double b[3]) {
   double d[3], p[3];
   for (int i = 0; i < 3; ++i) d[i] = b[i] - a[i], p[i] = point[i] - a[i];
@@ -119,8 +121,8 @@ void PrintQuality::sample() {
   std::copy_n(p, 3, position_);
 }
 
-// Moves the place on the path to the point that is nearest to the motors. A filter may cut off a
-// detour that is shorter than itself: the place leaps over it, which costs.
+// Moves the place on the path to the point nearest to the motors. A filter may cut off a short
+// detour; then the place jumps over it, which has a cost.
 void PrintQuality::follow(const double motors[3], double moved) {
   const double near = 2 * moved + kAheadMm;
   const double reach = near + kLeapReach * std::max(0.0, off_ - kLeapFromMm);
@@ -138,7 +140,7 @@ void PrintQuality::follow(const double motors[3], double moved) {
   while (on_ > 0 && path_[1].begin < path_[on_].begin - kPastMm) path_.pop_front(), --on_;
 }
 
-// The distance of a point from the path, within `reach` mm of path before and after the place.
+// Distance of a point from the path, within `reach` mm along the path on both sides of the place.
 double PrintQuality::from_path(const double p[3], double reach) const {
   const double from = path_[on_].begin + along_;
   size_t k = on_;
@@ -157,7 +159,8 @@ bool PrintQuality::over() const { return on_ + 1 == path_.size() && ends(); }
 
 void PrintQuality::next_segment() {
   const Segment& before = path_[on_++];
-  // A nozzle that was filled at standstill relaxes first: a retraction is not what a line is about.
+  // After filament moved at standstill, the flow must become steady first: the measurement is about
+  // lines, not about retraction.
   const Segment& after = path_[on_];
   if (after.after_filament && after.extruder < head_->nozzles())
     settled_at_ = at_ + kRelaxing * head_->nozzle(after.extruder).time_constant_s() * hz_;
@@ -190,7 +193,7 @@ void PrintQuality::pass(const Segment& before, const Segment& after) {
   ++corners_;
 }
 
-// The next corner, or the last one, and the way of the head.
+// Measures the distance of the head's path from the last or the next corner.
 void PrintQuality::round(const double from[3], const double to[3]) {
   if (rounding_now_ && rounding_now_->left_at >= 0 &&
       (along_ > kNearCornerMm || seconds(rounding_now_->left_at) > kRingingSeconds))
@@ -212,7 +215,8 @@ void PrintQuality::end_rounding() {
   rounding_now_.reset();
 }
 
-// The head across the line after a corner, from the time when the motors are on that line.
+// Measures the deviation of the head across the line after a corner, from the time when the motors
+// are on that line.
 void PrintQuality::ring(const double p[3]) {
   if (!ringing_now_) return;
   Ringing& r = *ringing_now_;
@@ -235,8 +239,8 @@ void PrintQuality::end_ringing() {
   ringing_now_.reset();
 }
 
-// The line between the last two samples, as a fraction of its nominal width; 0 without a line. At
-// its end the motors may stand still for a retraction, which is not what a line is about.
+// Width of the line between the last two samples, as a fraction of its nominal width; 0 without a
+// line. Standstill at the end of a line, for a retraction, does not count.
 double PrintQuality::measure_width(double moved) {
   const Segment& on = path_[on_];
   const bool ended = over() || (ends() && path_[on_ + 1].after_filament);
@@ -257,7 +261,7 @@ void PrintQuality::record(const double p[3], double width) {
   const Segment& on = path_[on_];
   const double across = (p[1] - on.from[1]) * on.unit[0] - (p[0] - on.from[0]) * on.unit[1];
   Sample sample{0, {p[0], p[1]}, {head_->motor_mm(0), head_->motor_mm(1)}, across, width};
-  sample.s = at_;  // a clock until it is in a picture
+  sample.s = at_;  // a clock here; end_recording() converts it to seconds
   if (recording_ >= 0) {
     recorded_.samples.push_back(sample);
     if (seconds(recording_) >= kRecordSeconds) end_recording();

@@ -1,4 +1,5 @@
-// How well a simulated printer follows the lines of a file: ringing, corners, width of the lines.
+// Measures how well a simulated printer follows the lines of a file: ringing, corners, width of
+// lines.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -13,33 +14,35 @@
 
 namespace passo::wire {
 
-// Compares where the head really is, and what the nozzle really extrudes, with the path of a file,
-// in samples that are kSampleSeconds apart. Only positions are compared, never times: any stream of
-// steps that follows the path is measured alike. The place on the path is the point that is nearest
-// to the motors, which do not vibrate, a little ahead of the last one. The head is compared with
-// the path around that place.
+// Compares the real positions of the head, and the real extrusion, with the path of a file, in
+// samples at intervals of kSampleSeconds. It compares only positions, not times, so any stream of
+// steps along the path is measured alike. The place on the path is the point nearest to the motors,
+// which do not vibrate; it moves only forward. The head is compared with the path around this
+// place.
 class PrintQuality {
  public:
   static constexpr double kSampleSeconds = 0.0005;
-  static constexpr double kRingingSeconds = 0.1;        // measured after a corner at most
-  static constexpr double kSharp = 0.8660254037844386;  // cosine of the smallest angle of a corner
+  static constexpr double kRingingSeconds =
+      0.1;  // maximum duration of a measurement after a corner
+  static constexpr double kSharp =
+      0.8660254037844386;  // cosine of the smallest angle that counts as a corner
 
   PrintQuality(double clock_hz, std::shared_ptr<HeadDynamics> head)
       : hz_(clock_hz), head_(std::move(head)) {}
 
-  // The measurement begins at a clock, at standstill.
+  // Starts to measure at a clock, at standstill.
   void begin(double clock);
-  // The path, in its order, before the head gets there.
+  // Adds the next part of the path, before the head gets there.
   void add_path(const std::vector<PathSegment>& segments);
-  // Keeps the whole path from now on, to measure another stream by it.
+  // From now on keeps the whole path, so that another stream can be measured with it.
   void keep_path() { keeps_ = true; }
   const std::vector<PathSegment>& path() const { return kept_; }
   // Measures up to a clock. The boards must have run up to it.
   void run(double clock);
-  // Ends the last corner.
+  // Completes the measurement of the last corner.
   void finish();
 
-  // A sum of squares with a weight, and the largest value.
+  // Weighted sums of a value and of its square, and the maximum.
   struct Spread {
     double square = 0, weight = 0, most = 0, sum = 0;
     void add(double value, double by) {
@@ -51,50 +54,52 @@ class PrintQuality {
     double rms() const;
     double mean() const { return weight > 0 ? sum / weight : 0; }
   };
-  // Distances in mm. Deviation of the head across the line after a corner, once the motors are on
-  // the line; distance of the head's path from the corner; distance of the head from the path.
+  // In mm. ringing(): deviation of the head across the line after a corner, once the motors are on
+  // the line. rounding(): distance of the head's path from the corner. off_path(): distance of the
+  // head from the path.
   const Spread& ringing() const { return ringing_; }
   const Spread& rounding() const { return rounding_; }
   const Spread& off_path() const { return off_path_; }
-  // Error of the width of the printed lines, averaged over their length, as a fraction.
+  // Mean error of the width of printed lines, as a fraction.
   double width_error() const { return printed_mm_ > 0 ? width_error_mm_ / printed_mm_ : 0; }
   double printed_mm() const { return printed_mm_; }
   size_t corners() const { return corners_; }
-  // Fraction of the samples in which the motors were far from the path, where nothing is measured.
+  // Fraction of the samples without measurement, because the motors were too far from the path.
   double lost() const { return samples_ > 0 ? double(lost_) / double(samples_) : 0; }
 
   // The motion around one corner, for a picture.
   struct Sample {
-    double s;          // since the motors passed the corner
+    double s;          // since the motors passed the corner, s
     double head[2];    // X and Y, mm
-    double motors[2];  // likewise
-    double across_mm;  // deviation of the head across its line, left positive
-    double width;      // of the line, as a fraction of what it should be; 0 where none is
+    double motors[2];  // X and Y, mm
+    double across_mm;  // deviation of the head across its line, positive to the left
+    double width;      // width of the line as a fraction of its nominal width; 0: no line
   };
   struct Corner {
-    size_t number = 0;  // of all sharp corners between printed lines, from 0
-    uint32_t line = 0;  // of the file, after the corner
-    double at[2] = {}, before[2] = {}, after[2] = {};  // X and Y; directions of its lines
+    size_t number = 0;  // among all sharp corners between printed lines, from 0
+    uint32_t line = 0;  // line of the file after the corner
+    double at[2] = {}, before[2] = {},
+           after[2] = {};  // X and Y; directions of the lines before and after
     double peak_mm = 0;
     bool lasts = false;  // the line after it is long enough for a picture
     std::vector<Sample> samples;
 
-    // A long line shows more.
+    // A corner before a long line shows more.
     bool shows_more(const Corner& than) const {
       return lasts != than.lasts ? lasts : peak_mm > than.peak_mm;
     }
   };
-  // The corner with the largest ringing before a line that lasts, or the one that was asked for.
+  // The corner with the largest ringing before a long line, or the one selected by show().
   const Corner& shown() const { return shown_; }
   void show(size_t corner) { wanted_ = corner; }
 
  private:
   struct Segment : PathSegment {
     double length, unit[3];
-    double begin;  // mm of path before it
+    double begin;  // length of path before this segment, mm
 
-    // The point nearest to p, between two distances from its beginning: mm from there, and its
-    // distance from p.
+    // The point of the segment nearest to p, between two distances from its start. Returns its
+    // distance from the start, and from p.
     std::pair<double, double> nearest(const double p[3], double least, double most) const;
   };
   struct Rounding {
@@ -106,22 +111,22 @@ class PrintQuality {
   };
   double hz_, at_ = 0;
   std::shared_ptr<HeadDynamics> head_;
-  std::deque<Segment> path_;  // from kPastMm before the place on
+  std::deque<Segment> path_;  // begins kPastMm before the place
   bool keeps_ = false;
   std::vector<PathSegment> kept_;
-  size_t on_ = 0;                                            // the place: a segment of the path,
-  double along_ = 0;                                         // and mm of it
-  double off_ = 0;                                           // distance of the motors from there
+  size_t on_ = 0;     // the place: number of the segment,
+  double along_ = 0;  // and distance from its start, mm
+  double off_ = 0;    // distance of the motors from the place
   double motors_[3] = {}, position_[3] = {}, extruded_ = 0;  // of the last sample
   uint16_t extruder_ = 0;
-  bool printed_ = false;   // likewise
-  double settled_at_ = 0;  // the width of lines counts from this clock on
+  bool printed_ = false;   // the last sample was on a printed line
+  double settled_at_ = 0;  // clock from which the width of lines is measured
   std::optional<Rounding> rounding_now_;
   std::optional<Ringing> ringing_now_;
   std::deque<Sample> past_;
   Corner recorded_, shown_;
   std::optional<size_t> wanted_;
-  double recording_ = -1;  // clock at which it has begun
+  double recording_ = -1;  // clock of its start; negative: no recording
 
   Spread ringing_, rounding_, off_path_;
   double width_error_mm_ = 0, printed_mm_ = 0;
@@ -133,7 +138,7 @@ class PrintQuality {
   void follow(const double motors[3], double moved);
   double from_path(const double p[3], double reach) const;
   bool ends() const;  // the place is at the end of its segment
-  bool over() const;  // and the path is not known any further
+  bool over() const;  // and no further path is known
   void next_segment();
   void pass(const Segment& before, const Segment& after);
   void round(const double from[3], const double to[3]);

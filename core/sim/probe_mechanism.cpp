@@ -6,8 +6,8 @@ namespace passo::wire {
 
 namespace {
 
-constexpr double kTolerance = 30;     // of pulse widths, µs
-constexpr double kMoveSeconds = 0.2;  // of an arm or a pin
+constexpr double kTolerance = 30;     // tolerance of pulse widths, µs
+constexpr double kMoveSeconds = 0.2;  // duration of a movement of the arm or pin
 constexpr double kPulseSeconds = 0.01;
 constexpr double kNearMm = 1;
 
@@ -63,7 +63,7 @@ bool ProbeMechanism::reads(bool touches, Ticks clock) {
   if (kind != Kind::bltouch) return there ? touches : stowed_reads;
   if (alarm_) return true;
   if (touch_) return !there || touches;
-  if (there && touches) {  // the pin draws back by itself
+  if (there && touches) {  // the pin retracts by itself
     pulse_end_ = clock + Ticks(kPulseSeconds * hz);
     in_place_ = false;
   }

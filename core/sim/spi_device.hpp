@@ -1,4 +1,4 @@
-// A simulated device on an SPI bus, as levels of pins.
+// A simulated device on an SPI bus, at the level of its pins.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -12,10 +12,11 @@ struct SpiPins {
   uint32_t select, clock, to_device, from_device;
 };
 
-// Selected while its pin is low. At the start of a transfer `answer` returns the bytes to send; at
-// the end `take` gets the received bytes. If the device has registers, the first byte is an
-// address, and `read` returns the bytes to send after it. If its shift register has a length of
-// `echo_bits`, it returns all received bits after that many.
+// The device is selected while its pin is low. When a transfer starts, `answer` returns the bytes
+// to send; when it ends, `take` receives the bytes from the board. If the device has registers, the
+// first byte from the board is an address, and `read` returns the bytes to send after it. If
+// the device has a shift register of `echo_bits`, it returns each received bit after that many
+// bits.
 class SpiDevice {
  public:
   SpiDevice(SpiPins pins, int mode, std::function<Bytes(Ticks)> answer,
@@ -26,13 +27,13 @@ class SpiDevice {
 
   const SpiPins& pins() const { return pins_; }
 
-  // The board drives one of the pins to a level.
+  // The board changes the level of a pin.
   void edge(uint32_t pin, bool level, Ticks clock);
-  // Whether it drives its pin, and to which level.
+  // Whether the device drives this pin. level(): to which level.
   bool drives(uint32_t pin) const { return selected_ && pin == pins_.from_device; }
   bool level() const;
 
-  // A whole transfer at once.
+  // A complete transfer.
   Bytes exchange(const Bytes& in, Ticks clock);
 
  private:

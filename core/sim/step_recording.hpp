@@ -1,4 +1,4 @@
-// The steps of a host's recorded stream for one board, as Klipper's batch mode writes it.
+// The steps in a recorded stream for one board, as Klipper's batch mode writes it.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -13,23 +13,23 @@ class StepRecording {
  public:
   struct Motor {
     uint32_t oid, step_pin;
-    std::vector<StepRun> runs;  // in the order of time
+    std::vector<StepRun> runs;  // in the order of their clocks
     int64_t steps = 0;
-    // Of the next command.
+    // For the next command.
     Ticks clock = 0;
     int8_t dir = -1;
   };
   struct Range {
-    int64_t net = 0, lowest = 0, highest = 0;  // steps, from where it begins
+    int64_t net = 0, lowest = 0, highest = 0;  // steps, relative to the start
   };
 
   // Throws std::invalid_argument if the bytes are not a stream of these commands.
   StepRecording(const Formats& commands, const uint8_t* data, size_t size);
 
   const std::vector<Motor>& motors() const { return motors_; }
-  // The last `steps` steps of a motor, and where they lead.
+  // The last `steps` steps of a motor. range_of(): net steps and extremes of a series of steps.
   std::vector<StepRun> last(size_t motor, int64_t steps) const;
-  // Its commands that begin at a clock or later.
+  // Commands of a motor that start at `clock` or later.
   std::vector<StepRun> since(size_t motor, Ticks clock) const;
   static Range range_of(const std::vector<StepRun>& runs);
 

@@ -1,4 +1,5 @@
-// A motor's position from its executed steps, which arrive in advance and are made up to a clock.
+// The position of a motor from its executed steps, which are added in advance and then made up to a
+// clock.
 #pragma once
 #include <algorithm>
 #include <deque>
@@ -9,11 +10,11 @@
 
 namespace passo::wire {
 
-// A motor as the main board's clock sees it.
+// How a motor relates to the clock of the main board.
 struct TrackedMotor {
-  double per_step;  // mm or degrees; negative if its steps count down
-  double ratio;     // ticks of the main board in one of its own
-  double offset;    // clock of the main board when its own reads 0
+  double per_step;  // mm or degrees; negative if the motor is inverted
+  double ratio;     // ticks of the main board per tick of the motor's board
+  double offset;    // clock of the main board when the motor's board reads 0
 };
 
 class StepTrack {
@@ -22,7 +23,7 @@ class StepTrack {
 
   double position = 0;  // after the last step made
 
-  // Forgets the steps that are not made yet.
+  // Restarts at this position. Drops steps that are not made yet.
   void restart(double from) {
     position = from;
     ahead_.clear();
@@ -31,14 +32,14 @@ class StepTrack {
   }
   double own_clock(double clock) const { return (clock - motor_.offset) / motor_.ratio; }
   double main_clock(Ticks own) const { return double(own) * motor_.ratio + motor_.offset; }
-  // In the order of time.
+  // Adds steps, in the order of their clocks.
   void add(const std::vector<StepRun>& runs) {
     ahead_.insert(ahead_.end(), runs.begin(), runs.end());
     if (next_ == kInfinity) find_next();
   }
-  // The main board's clock of the next step; infinite if none is known.
+  // Main clock of the next step; infinite if none is known.
   double next() const { return next_; }
-  // Makes the next step, and returns by how much it moves.
+  // Makes the next step. Returns its distance.
   double step() {
     const double by = ahead_.front().dir * motor_.per_step;
     position += by;
@@ -61,8 +62,8 @@ class StepTrack {
 
  private:
   TrackedMotor motor_;
-  std::deque<StepRun> ahead_;  // the first run may be made in part
-  int64_t done_ = 0;           // of the first run
+  std::deque<StepRun> ahead_;  // the first command may be partly done
+  int64_t done_ = 0;           // number of steps of the first command that are made
   double next_ = kInfinity;
 
   void find_next() {

@@ -1,4 +1,4 @@
-// A simulated motor driver of Trinamic's: its registers, spoken to in datagrams by UART or SPI.
+// A simulated Trinamic motor driver: its registers, which the board accesses by UART or SPI.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -22,7 +22,7 @@ class TrinamicChip {
     tmc2660
   };
 
-  // Faults: the chip does not answer; or this number of its next answers have a wrong bit.
+  // Faults: the chip does not answer; this number of its next answers have a wrong bit.
   bool plugged = true;
   uint32_t damaged_answers = 0;
 
@@ -33,27 +33,28 @@ class TrinamicChip {
   // The version is in a register of the UART.
   bool by_uart() const { return kind_ <= Kind::tmc2226; }
   uint32_t read(uint8_t reg) const { return registers_[reg & 0x7f]; }
-  // The status flags that the chip sets itself.
+  // Sets a status register, which a real chip sets itself.
   void set(uint8_t reg, uint32_t value) { registers_[reg & 0x7f] = value; }
 
   // A register gets this value after the next time it is read.
   void set_after_read(uint8_t reg, uint32_t value) { later_ = {reg, value}; }
 
-  // Resets its settings, as at power-on.
+  // Resets all settings, as after power-on.
   void power_on();
 
-  // One datagram by UART; returns its answer, if any.
+  // One UART datagram. Returns the answer, or nothing.
   Bytes datagram(const Bytes& in);
 
-  // Bits from the end of a question by UART until its answer (SENDDELAY).
+  // Number of bits from the end of a UART request to its answer (SENDDELAY).
   int answer_delay() const { return 8 * int(registers_[kSlaveconf] >> 8 & 0xe) + 8; }
 
-  // SPI: takes five bytes, and returns the five that the chip sends at the same time. A TMC2660
-  // answers in 20 bits, and takes the last 20.
+  // SPI: answer() returns the five bytes that the chip sends while it receives those of take(). A
+  // TMC2660 answers in 20 bits, and takes the last 20.
   Bytes answer();
   void take(const Bytes& in);
 
-  // The polynomial x⁸ + x² + x + 1, each byte's lowest bit first (TMC2209 data sheet, 4.2).
+  // CRC with the polynomial x⁸ + x² + x + 1, lowest bit of each byte first (TMC2209 data sheet,
+  // 4.2).
   static uint8_t checksum(const uint8_t* bytes, size_t size);
 
  private:
@@ -61,7 +62,7 @@ class TrinamicChip {
   Kind kind_;
   uint8_t address_;
   std::array<uint32_t, 128> registers_{};
-  uint32_t last_ = 0;  // by SPI, the next datagram returns the answer
+  uint32_t last_ = 0;  // answer of the next SPI datagram
   std::optional<std::pair<uint8_t, uint32_t>> later_;
 
   // A TMC2660's answers are at these addresses; RDSEL in DRVCONF selects one of them.

@@ -7,7 +7,7 @@ void UartLine::edge(bool level, Ticks clock) {
   level_ = level;
   if (start_ == kNever) {
     if (level) return;
-    // A pause within a datagram: the next bytes are another one.
+    // After a long pause within a datagram, the next byte starts a new datagram.
     if (!bytes_.empty() && clock - last_ > kPause * bit_) restart();
     start_ = last_ = clock;
     bit_number_ = 0;
@@ -29,7 +29,8 @@ bool UartLine::level(Ticks clock) {
 
 void UartLine::run(Ticks clock) {
   while (start_ != kNever && bit_ > 0) {
-    // Bit 9 is the stop bit; the start bit is bit 0. Four of the first byte make the sync.
+    // Bit 0 is the start bit, bit 9 the stop bit. The sync nibble gives the length of four bits of
+    // the first byte.
     Ticks at = start_ + Ticks((bit_number_ + 0.5) * bit_);
     if (at >= clock) return;
     if (bit_number_ >= 1 && bit_number_ <= 8)

@@ -1,5 +1,5 @@
-// The UART of simulated motor drivers, as levels of pins: the drivers take the length of a bit from
-// each datagram's first byte, as real ones do.
+// The UART of simulated motor drivers, at the level of pins. Like real drivers, they measure the
+// length of a bit in the first byte of each datagram.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -19,31 +19,31 @@ class UartLine {
   uint32_t rx_pin() const { return rx_pin_; }
   uint32_t tx_pin() const { return tx_pin_; }
 
-  // The board drives its pin to a level.
+  // The board changes the level of its pin.
   void edge(bool level, Ticks clock);
   // The level that the board reads.
   bool level(Ticks clock);
-  // All bytes until `clock` are received.
+  // Receives all bytes up to `clock`.
   void run(Ticks clock);
 
-  // Simulates the reception of these bits (with start and stop bits, each byte's lowest bit first).
-  // Returns the bits of the answer and the delay before it in bits.
+  // Receives these bits, which include start and stop bits, lowest bit of each byte first. Returns
+  // the bits of the answer, and the number of bits before it.
   std::pair<Bytes, int> exchange(const Bytes& bits);
 
  private:
   static constexpr double kPause = 63;  // bits
   uint32_t rx_pin_, tx_pin_;
   bool level_ = true;
-  Ticks start_ = kNever;  // of the current byte, and of the last one
+  Ticks start_ = kNever;  // start of the current byte
   Ticks last_ = 0;
-  double bit_ = 0;  // ticks; 0 until the sync nibble has come
+  double bit_ = 0;  // ticks; 0 until the sync nibble is received
   int bit_number_ = 0, falls_ = 0;
   uint8_t byte_ = 0;
   Bytes bytes_;
   std::vector<bool> answer_;
   Ticks answer_start_ = 0;
   double answer_bit_ = 1;
-  int delay_ = 0;  // of the last answer, bits
+  int delay_ = 0;  // bits before the last answer
 
   void restart();
   void received(Ticks end);

@@ -290,7 +290,7 @@ void VirtualBoard::part_command(Command id, const uint32_t* a) {
       break;
     default:
       if (!finalized_) {
-        // These only refine a part, or ask.
+        // These commands are also allowed before finalize_config.
         if (id != Command::set_digital_out_pwm_cycle && id != Command::stepper_stop_on_trigger &&
             id != Command::stepper_get_position && id != Command::endstop_query_state &&
             id != Command::query_analog_in)

@@ -1,5 +1,5 @@
-// A complete board in virtual time: it receives frames, checks and executes them, and answers like
-// a real board.
+// A complete board in virtual time: it receives, checks and executes frames, and answers like a
+// real board.
 #pragma once
 #include <cstdint>
 #include <initializer_list>
@@ -36,7 +36,7 @@ class VirtualBoard : public Bench {
   uint32_t crc() const { return crc_; }
   std::string fault() const override { return kFaults[size_t(fault_)]; }
   bool stopped() const override { return fault_ != Fault::none; }
-  // The maximum number of used move slots, of all times when they were counted.
+  // The maximum number of move queue entries in use, whenever they were counted.
   size_t peak_slots() const { return peak_slots_; }
   uint64_t frames() const override { return frames_; }
   uint64_t naks() const override { return naks_; }
@@ -62,8 +62,8 @@ class VirtualBoard : public Bench {
   struct Shape {
     bool known, in_shutdown;
     uint8_t parameters;
-    uint8_t blob;                   // the parameter that is bytes, if any
-    uint32_t most[kParametersMax];  // of each parameter, by its type
+    uint8_t blob;                   // number of the parameter that is bytes
+    uint32_t most[kParametersMax];  // maximum of each parameter
   };
 
   const Options options_;
@@ -76,17 +76,17 @@ class VirtualBoard : public Bench {
     uint32_t oid;
     Part* part;
   };
-  std::vector<Timed> timed_;         // all but the motors, which run in closed form
-  std::vector<BoardMotor*> motors_;  // by oid, null where there is none
+  std::vector<Timed> timed_;         // all parts except motors, which are calculated in closed form
+  std::vector<BoardMotor*> motors_;  // by oid; null if it is not a motor
   std::vector<BoardOutput*> outputs_;
-  std::set<uint32_t> followed_;  // step pins
+  std::set<uint32_t> followed_;  // by step pin
   uint64_t sequence_ = 0, frames_ = 0, naks_ = 0;
   Ticks next_ = kNever;
   std::optional<uint32_t> oids_;
   bool finalized_ = false;
   uint32_t crc_ = 0;
   Fault fault_ = Fault::none;
-  size_t slots_ = 0, peak_slots_ = 0;  // slots_: upper bound
+  size_t slots_ = 0, peak_slots_ = 0;  // slots_: upper bound of the entries in use
 
   // ---- time
 
@@ -101,7 +101,7 @@ class VirtualBoard : public Bench {
   void command(Command id, const uint32_t* a, const Bytes& blob);
   void part_command(Command id, const uint32_t* a);
   void motion_command(Command id, const uint32_t* a);
-  // True for a command of buttons, after carrying it out.
+  // Carries out a command about buttons. Returns false for other commands.
   bool buttons_command(Command id, const uint32_t* a);
 
   // ---- parts
@@ -113,11 +113,12 @@ class VirtualBoard : public Bench {
   T& get(uint32_t oid);
   BoardOutput& output(uint32_t oid, bool pwm);
   void queue_output(const uint32_t* a, bool pwm);
-  // The bound is made exact only when it reaches the limit: counting is slow.
+  // Takes a move queue entry. The exact number is counted only if the upper bound reaches the
+  // limit, because counting is slow.
   void take_slot();
-  // A timer cannot be set in the past.
+  // Converts a 32-bit clock to a full one. A timer must not be in the past.
   Ticks ahead(uint32_t clock) const;
-  // With such a load, a real board would do nothing else, or miss its timers.
+  // Rejects a period at which a real board would do nothing else, or miss its timers.
   static void check_period(uint32_t ticks);
   void trigger(uint32_t oid, uint32_t reason);
   void report_trsync(uint32_t oid, const BoardTrsync& group);
