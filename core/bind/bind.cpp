@@ -1,4 +1,4 @@
-// The Python module passo._core: each part of the core binds itself.
+// The Python module passo._core. Each part of the core has a function that binds it.
 #include <nanobind/nanobind.h>
 
 void bind_heat(nanobind::module_& m);

@@ -1,4 +1,4 @@
-// Python's view of simulated boards and the plant around them.
+// Python interface of simulated boards and of the printer around them.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/map.h>
@@ -81,7 +81,7 @@ std::vector<Area> areas_of(const std::vector<Corners>& list) {
   return areas;
 }
 
-// Does something to the probe on a pin.
+// Calls `change` with the probe on a pin.
 template <class Change>
 void change_probe(Bench& b, uint32_t pin, const Change& change) {
   for (BedProbe& probe : b.plant().probes)
@@ -89,7 +89,7 @@ void change_probe(Bench& b, uint32_t pin, const Change& change) {
   throw nb::key_error("no probe has this pin");
 }
 
-// The body as it is now.
+// The present state of the body on a heater pin.
 HeatedBody& body_of(Bench& b, uint32_t sensor_pin) {
   b.plant().run_until(b.now());
   for (HeatedBody& body : b.plant().bodies)

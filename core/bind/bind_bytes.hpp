@@ -1,4 +1,4 @@
-// Bytes and messages, between Python and the core.
+// Converts bytes and messages between Python and the core.
 #pragma once
 #include <nanobind/nanobind.h>
 

@@ -1,4 +1,4 @@
-// Python's interface to the surroundings of a simulated board besides motors, endstops and heat.
+// Python interface of chips around a simulated board: drivers, converters, accelerometers, probes.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/shared_ptr.h>
 

@@ -1,4 +1,4 @@
-// Python's view of frames and of messages in them.
+// Python interface of frames and of the messages in them.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>

@@ -1,4 +1,4 @@
-// G-code: words and texts, their errors, and the survey of a program.
+// Python interface of G-code: words and texts, errors, and the survey of a program.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>

@@ -1,4 +1,4 @@
-// passo._core.Geometry: the kernels one by one, and the core's own trigonometry.
+// passo._core.Geometry: each function of a geometry, and the core's own trigonometry.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>

@@ -1,4 +1,4 @@
-// passo._core.HeadDynamics: how the head of a simulated printer moves, and what it extrudes.
+// passo._core.HeadDynamics: motion and extrusion of the head of a simulated printer.
 #include "bind/bind_head_dynamics.hpp"
 
 #include <nanobind/nanobind.h>

@@ -1,4 +1,4 @@
-// The masses, the nozzles and the motors of a simulated printer, from Python.
+// Reads the masses, nozzles and motors of a simulated printer from Python.
 #pragma once
 #include <nanobind/nanobind.h>
 

@@ -1,4 +1,4 @@
-// Python's interface to heaters: control, protections, and readings.
+// Python interface of heaters: control, protections and readings.
 #include <nanobind/nanobind.h>
 #include <nanobind/operators.h>
 #include <nanobind/stl/optional.h>
@@ -120,7 +120,7 @@ void bind_protections(nb::module_& m) {
       .def(nb::self == nb::self);
 }
 
-// A call of a heater that its link's thread may be using.
+// Binds a function of a heater that the link's thread may be using: the call takes the link's lock.
 template <auto F, class... A>
 auto held(Heater& heater, A... arguments) {
   std::lock_guard lock(heater.guard());
@@ -309,7 +309,7 @@ void bind_heater(nb::module_& m) {
           "The samples since the last call, at most the newest 4096, oldest first.");
 }
 
-// A body and its heater by themselves; readings are exact to a thousandth of a degree.
+// A heater and its body without a board. Readings are exact to a thousandth of a degree.
 void bind_heat_run(nb::module_& m) {
   nb::class_<HeatRun>(m, "HeatRun",
                       "A heater loop and the heated mass, without a board. It predicts how long "

@@ -34,7 +34,7 @@ std::shared_ptr<const HeightMap> height_map_of(const std::pair<double, double>& 
   }
   auto map = std::make_shared<HeightMap>(x, y, dx, dy, int(heights[0].size()), int(heights.size()),
                                          std::move(all), faded);
-  // Otherwise Z of the nozzle might fall where Z of the program rises.
+  // Otherwise the nozzle could move down while the program's Z rises.
   if (fade && !(faded.end - faded.start > map->range()))
     throw nb::value_error("a fade must be longer than the heights differ from its target");
   return map;

@@ -1,4 +1,4 @@
-// Heights of the bed from Python → HeightMap.
+// Converts the heights of a bed from Python to a HeightMap.
 #pragma once
 #include <memory>
 #include <optional>
@@ -13,7 +13,7 @@ namespace passo {
 using Rows = std::vector<std::vector<double>>;
 using FadeSpec = std::optional<std::tuple<double, double, double>>;  // start, end, target
 
-// Null without rows: the bed is flat. Throws nanobind::value_error.
+// Returns null if there are no rows: the bed is flat. Throws nanobind::value_error.
 std::shared_ptr<const HeightMap> height_map_of(const std::pair<double, double>& first,
                                                const std::pair<double, double>& spacing,
                                                const Rows& heights, const FadeSpec& fade);

@@ -1,4 +1,4 @@
-// passo._core.Job: whole programs through one machine.
+// passo._core.Job: runs whole programs on one machine.
 #include "bind/bind_job.hpp"
 
 #include <nanobind/nanobind.h>
@@ -14,7 +14,7 @@ namespace nb = nanobind;
 using namespace nb::literals;
 using namespace passo;
 
-// Each binds some parts of the class.
+// Each function binds some parts of the class.
 void bind_job_program(nb::module_& m, JobClass& job);
 void bind_job_plan(nb::module_& m, JobClass& job);
 void bind_job_axes(nb::module_& m, JobClass& job);

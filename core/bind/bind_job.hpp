@@ -29,7 +29,7 @@ struct JobView {
           bool with_steps)
       : job(machine, std::move(home), laser, with_steps, thread_cpu_s) {}
 
-  // Passes each settled move to the parts that record the plan.
+  // Passes each settled move to the objects that record the plan.
   void watch_moves() {
     auto& on_move = job.motion.on_move;
     auto lead = [this](size_t i) {
@@ -58,7 +58,7 @@ inline ErrorTuple as_tuple(const GcodeError& e) {
 
 using JobClass = nanobind::class_<JobView>;
 
-// The parts of a job in Python: one class a subject. A part keeps its job alive.
+// The parts of a job in Python, one class for each subject. A part keeps its job alive.
 struct JobPart {
   JobView& view;
   Job& job;

@@ -1,4 +1,4 @@
-// Python's interface to a link, to the messages of a job, and to the state that links share.
+// Python interface of a link, of the messages of a job, and of the state that links share.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/pair.h>
@@ -21,7 +21,7 @@ using namespace passo::wire;
 
 namespace {
 
-// Calls F with a link that its thread may be using.
+// Binds function F of a link that a thread may be using: the call takes the link's lock.
 template <auto F, class... A>
 auto held(Link& link, A... arguments) {
   std::lock_guard lock(link.guard());

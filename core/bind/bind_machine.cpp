@@ -47,7 +47,7 @@ Machine machine_of(const nb::dict& spec) {
     auto ticks = [&](const char* key) {
       return int64_t(std::ceil(get<double>(s, key) * m.clock_hz - 1e-6));
     };
-    // A step and the pause behind it take a pulse's time each at least.
+    // A step pulse and the pause after it each last at least this long.
     const int64_t pulse = ticks("pulse_s");
     const double rate = std::min(get<double>(s, "max_rate_hz"), m.clock_hz / (2 * double(pulse)));
     m.steppers.push_back({get<std::string>(s, "name"),
@@ -64,7 +64,7 @@ Machine machine_of(const nb::dict& spec) {
     m.boards = get<size_t>(spec, "boards");
     m.output_boards = get<std::vector<uint16_t>>(spec, "output_boards");
   }
-  // By name of the setting: a value of the machine, or one for each axis or extruder.
+  // Settings by name: one value for the machine, or one for each axis or extruder.
   if (spec.contains("filters"))
     for (auto [key, value] : get<nb::dict>(spec, "filters")) {
       const std::string name = nb::cast<std::string>(key);

@@ -1,5 +1,5 @@
-// The machine dict of passo.config → Machine. Missing keys raise KeyError, wrong types TypeError:
-// the configuration has validated all values before.
+// Converts the machine dict of passo.config to a Machine. A missing key raises KeyError, a wrong
+// type TypeError. The configuration has already validated all values.
 #pragma once
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/pair.h>
@@ -36,12 +36,12 @@ inline GeometryParams geometry_params(const nb::dict& dict) {
   return params;
 }
 
-// The geometry of a dict with its kind and its parameters.
+// Makes the geometry from a dict with its kind and parameters.
 inline std::unique_ptr<Geometry> geometry_of(const nb::dict& spec) {
   return make_geometry(get<std::string>(spec, "kind"), geometry_params(spec));
 }
 
-// A number, or the numbers of nested sequences in their order.
+// Reads a number, or all numbers of nested sequences in their order.
 inline void add_numbers(const nb::handle& value, Numbers& numbers) {
   if (nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value))
     for (nb::handle part : value) add_numbers(part, numbers);

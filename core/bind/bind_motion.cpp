@@ -1,5 +1,5 @@
-// passo._core: Motion, Move, Message. The plan of moves given one by one, for tests, tools and
-// lessons; whole files go through Job.
+// passo._core: Motion, Move, Message. Plans moves that are given one by one, for tests, tools and
+// lessons. Whole files use Job.
 #include "bind/bind_motion.hpp"
 
 #include <nanobind/nanobind.h>

@@ -1,4 +1,4 @@
-// Python's view of a planned move.
+// Python interface of a planned move.
 #pragma once
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/tuple.h>

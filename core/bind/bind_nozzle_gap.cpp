@@ -1,4 +1,4 @@
-// passo._core.NozzleGap: the first layer of a job above the simulated bed.
+// passo._core.NozzleGap: distance of the nozzle from the simulated bed in the first layer of a job.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/pair.h>
@@ -46,7 +46,7 @@ class GapView {
     if (positions.size() != motors_.size()) throw nb::value_error("a motor has no position");
     gap_.place(base_ + ticks, std::move(positions));
   }
-  // False once there is nothing more to follow.
+  // Returns false when nothing is left to measure.
   bool follow(JobView& job) {
     if (!job.spans) return false;
     const std::vector<Tool>& tools = job.job.motion.machine().tools;

@@ -1,4 +1,4 @@
-// Motion that is planned already, from Python.
+// Reads pieces of motion that are already planned from Python.
 #pragma once
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
@@ -15,7 +15,7 @@
 
 namespace passo {
 
-// Seconds, and rows of coefficients: one an axis, then E.
+// Seconds, and rows of coefficients: one for each axis, then one for E.
 using PieceSpec = std::tuple<double, std::vector<std::vector<double>>>;
 
 inline constexpr const char* kPiecesText =

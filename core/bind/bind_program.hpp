@@ -1,4 +1,4 @@
-// The settings for reading a program, and the events that it produces.
+// Settings for reading a program, and the events of the program.
 #pragma once
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
@@ -14,7 +14,7 @@
 
 namespace passo {
 
-// M is a word of a move only where it is one of these letters.
+// M is a word of a move only if it is one of these letters.
 inline LaserWords laser_words(const nb::object& laser) {
   LaserWords words;
   if (laser.is_none()) return words;

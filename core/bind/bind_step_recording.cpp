@@ -1,4 +1,4 @@
-// passo._core.StepRecording: the stream of another host, played on the simulated printer.
+// passo._core.StepRecording: plays the recorded stream of another host on the simulated printer.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
@@ -31,7 +31,7 @@ using Dict = nb::typed<nb::dict, nb::str, nb::any>;
 using PlayedMotor = std::tuple<size_t, int64_t, double, double>;
 using Played = std::tuple<PrintQuality, double, size_t>;
 
-// Where the actuators begin and end on a path, and their lowest and highest positions.
+// Start, end and extreme positions of each actuator on a path.
 std::vector<std::array<double, 4>> actuator_ranges(const PrintQuality& quality, const Dict& spec) {
   const auto geometry = geometry_of(spec);
   std::vector<std::array<double, 4>> ranges;
@@ -66,7 +66,7 @@ Played measure(const StepRecording& recording, const PrintQuality& by, double cl
     if (int(start.size()) < geometry->actuators()) {
       start.push_back(finite(at, "a position"));
       runs.push_back(recording.last(index, steps));
-    } else {  // advance adds steps, so that only the clock counts
+    } else {  // only the clocks count, because pressure advance adds steps
       if (first == kInfinity) break;
       runs.push_back(recording.since(index, Ticks(first - clock_hz)));
     }

@@ -1,4 +1,4 @@
-// Python's interface to the transport between links and boards, in virtual time and in real time.
+// Python interface of the connections between links and boards, in virtual and in real time.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>

@@ -14,7 +14,7 @@ namespace passo::wire {
 struct Bed {
   double center[2], size[2];  // X and Y
   double tilt[2] = {0, 0};    // rise over the width and over the depth; zero at the centre
-  double dome = 0;            // height of the centre above the middles of the edges
+  double dome = 0;            // height of the centre above the corners
   double wave = 0, wave_length[2] = {120, 160};
   double lift = 0;  // rise of the whole bed
 
