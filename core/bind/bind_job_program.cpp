@@ -51,6 +51,17 @@ void bind_job_program(nb::module_& m, JobClass& job) {
           "with the line number of the call, and then the rest of its line. While they run, also "
           "in macros that they call, the name of a macro that replaces a built-in command is that "
           "of the command.")
+      .def(
+          "insert_apart",
+          [](ProgramPart& self, const nb::bytes& text) {
+            self.job.interpreter.insert_apart(std::string_view(text.c_str(), text.size()));
+          },
+          "text"_a,
+          "In the middle of a command: lines that are read before the rest of its line. At their "
+          "end, `advance` returns NEED_INPUT until `leave_apart`.")
+      .def(
+          "leave_apart", [](ProgramPart& self) { self.job.interpreter.leave_apart(); },
+          "Drops what is left of the lines of `insert_apart`.")
       .def_prop_ro(
           "commands", [](ProgramPart& self) { return self.job.interpreter.commands(); },
           "The number of commands read, including unknown ones.")

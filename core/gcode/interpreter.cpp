@@ -37,6 +37,7 @@ Found Interpreter::next() {
     const char *p, *end;
     if (!lines().next(p, end)) {
       if (!frames_[source_].empty()) {
+        if (frames_[source_].back().apart) return Found::need_input;
         feed_frame();
         continue;
       }

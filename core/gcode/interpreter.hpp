@@ -73,6 +73,11 @@ class Interpreter {
   // it. If the macro replaces a built-in command, that command is the built-in one while these
   // lines run.
   void insert(std::string_view text, std::string_view code = {});
+  // In the middle of a command: lines that are read before the rest of its line. At their end,
+  // next() returns Found::need_input until leave_apart().
+  void insert_apart(std::string_view text);
+  // Drops what is left of such lines, also after a failure.
+  void leave_apart();
   // Depth of nested macros of the selected source.
   size_t macro_depth() const { return frames_of(FrameKind::macro); }
   // Depth of nested sub-programs of the selected source.
@@ -206,7 +211,7 @@ class Interpreter {
   bool volumetric() const { return volumetric_; }      // set by M200
   const std::vector<double>& diameters() const {
     return diameter_;
-  }                                                       // filament of each extruder, set by M200
+  }  // filament of each extruder, set by M200
   static constexpr double kLoadMmS = 6, kUnloadMmS = 20;  // speeds of M701 and M702
   static constexpr double kMaxChangeMm = 5000;  // maximum length in M207, M208, M603, M701
   struct Change {
@@ -268,8 +273,9 @@ class Interpreter {
     std::string code = {};  // name of the macro
     Subprograms::Label label{};
     Lines lines;
-    size_t fed = 0;   // position in the text of the sub-programs
-    int repeats = 1;  // remaining runs, including this one
+    size_t fed = 0;      // position in the text of the sub-programs
+    int repeats = 1;     // remaining runs, including this one
+    bool apart = false;  // of insert_apart
   };
   struct CycleWords {  // last values of R, Q, P and the bottom of the hole, in mm and s
     int code = 0, plane = 0;

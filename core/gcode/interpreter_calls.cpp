@@ -87,6 +87,17 @@ void Interpreter::insert(std::string_view text, std::string_view code) {
   frames.back().code = code;
 }
 
+void Interpreter::insert_apart(std::string_view text) {
+  insert(text);
+  frames_[source_].back().apart = true;
+}
+
+void Interpreter::leave_apart() {
+  auto& frames = frames_[source_];
+  while (!frames.empty() && !frames.back().apart) frames.pop_back();
+  if (!frames.empty()) frames.pop_back();
+}
+
 void Interpreter::hand_over_macro(Interpreter& mine) {
   auto& frames = frames_[0];
   const auto macro = std::find_if(frames.begin(), frames.end(), [](const Frame& frame) {

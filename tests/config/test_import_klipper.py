@@ -492,6 +492,24 @@ def test_bltouch_with_its_own_kind(load) -> None:
     assert (dump["kind"], dump["control_pin"], dump["touch_mode"]) == ("bltouch", "PA13", True)
 
 
+def test_twist_of_the_axis_comes_with_its_heights(load) -> None:
+    more = "[probe]\npin: ^PA12\nz_offset: 2\nactivate_gcode: G4 P100\n"
+    more += "[axis_twist_compensation]\ncalibrate_start_x: 10\ncalibrate_end_x: 200\n"
+    more += "calibrate_y: 100\nz_compensations: 0.0125, 0.005, -0.0175\n"
+    more += "compensation_start_x: 20\ncompensation_end_x: 190\n"
+    _, machine = load(more=more)
+    twist = machine.probe.twist["x"]
+    assert (twist.from_mm, twist.to_mm, twist.across_mm) == (20, 190, 100)
+    assert twist.heights_mm == [0.0125, 0.005, -0.0175]
+    assert machine.probe.arm_gcode == "G4 P100"
+
+
+def test_smart_effector_is_the_nozzle_that_settles_before_a_descent(load) -> None:
+    draft, machine = load(more="[smart_effector]\npin: ^PA12\nz_offset: 0\nprobe_accel: 50\n")
+    assert (machine.probe.kind, machine.probe.settle_s) == ("nozzle", 0.4)
+    assert any("probe_accel: a descent has the" in text for text in remarks(draft, "dropped"))
+
+
 def test_delta_has_towers_and_carriage_heights(load) -> None:
     head, rest = BASE.split("[stepper_x]")[0], BASE[BASE.index("[extruder]") :]
     tower = "enable_pin: !PC3\nmicrosteps: 16\nrotation_distance: 40\n"

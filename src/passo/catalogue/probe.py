@@ -48,6 +48,14 @@ PROBE: Mapping[str, Entry] = {
         "the probe did not stow: it is {value}, and it should be {limit}",
         "Stow it by hand before the next move, and check its cables",
     ),
+    "probe.gcode-moves": _probe(
+        "the G-code of {axis} moves the axes from {position} to {value}",
+        "Take the moves out of it: a probe that the head fetches has the kind dock",
+    ),
+    "probe.no-twist": _probe(
+        "{axis} needs [probe.twist.{value}], which the machine file does not have",
+        "Give the places there: from_mm, to_mm and across_mm",
+    ),
     "probe.out-of-reach": _probe(
         "{axis} is out of reach: with the probe at {value} the nozzle is at {position},"
         " and {limit}",

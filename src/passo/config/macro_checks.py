@@ -94,6 +94,9 @@ def check_macros(data: Mapping[str, Any]) -> Iterator[Finding]:
         taken.add(other)
     for name, delayed in tables(data, "delayed_gcode"):
         yield from _check_template(("delayed_gcode", name), delayed)
+    if isinstance(probe := data.get("probe"), Mapping):
+        for key in ("arm_gcode", "disarm_gcode"):
+            yield from _check_template(("probe",), cast("Mapping[str, Any]", probe), key)
     for part, keys in _INPUT_TEMPLATES.items():
         for name, content in tables(data, part):
             for key in keys:

@@ -49,6 +49,13 @@ def _check_sensor(machine: MachineConfig, probe: SensingProbe) -> Iterator[Findi
         yield Finding("config.value", ("probe", "control_pin"), probe.servo_pin, limit)
     if isinstance(probe, DockProbe):
         yield from _check_dock(machine, probe)
+    for axis, twist in probe.twist.items():
+        if twist.from_mm == twist.to_mm:
+            path = ("probe", "twist", axis, "to_mm")
+            yield Finding("config.value", path, twist.to_mm, "another place than from_mm")
+        if len(twist.heights_mm) == 1:
+            path = ("probe", "twist", axis, "heights_mm")
+            yield Finding("config.value", path, twist.heights_mm, "no height, or at least two")
     for index, name in enumerate(probe.heaters_off):
         if name not in machine.heaters:
             hint = did_you_mean(name, machine.heaters)

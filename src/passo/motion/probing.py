@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import AsyncGenerator, Callable, Generator, Mapping, Sequence
+from collections.abc import AsyncGenerator, Awaitable, Callable, Generator, Mapping, Sequence
 from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
 from statistics import fmean, median
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from pydantic import ValidationError
 
@@ -18,7 +18,7 @@ from passo.geometry.base import Unreachable
 from passo.motion.axis_slots import X, Y, Z
 from passo.motion.endstops import probe_switch
 from passo.motion.probe_head import ProbeHead
-from passo.probes.base import Probe, SensingProbe
+from passo.probes.base import Probe, SensingProbe, Twist
 from passo.probes.manual import ManualProbe
 
 if TYPE_CHECKING:
@@ -66,9 +66,9 @@ class Measured:
 class Prober:
     """Measures heights of the bed with the probe of one printer. Call it with the motion lock held
     and the machine idle. The nozzle never moves below the `low_mm` of the probe, relative to the
-    last measured bed, or to Z 0 without one, nor below the limits of the motors. `offset_mm` and
-    `trigger_height_mm` are the active values. After a failure, the nozzle is lifted to `start_mm`,
-    the heaters have their targets again, and the axes are still homed.
+    last measured bed, or to Z 0 without one, nor below the limits of the motors. `offset_mm`,
+    `trigger_height_mm` and `twist` are the active values. After a failure, the nozzle is lifted to
+    `start_mm`, the heaters have their targets again, and the axes are still homed.
     """
 
     def __init__(
@@ -82,6 +82,10 @@ class Prober:
         self._triggered, self._correction = triggered, correction
         self._head = ProbeHead(rig, interrupts, triggered)
         self.last_triggered = False
+        # called before each descent, and after each that such a call has begun
+        self.before_descent: list[Callable[[], Awaitable[None]]] = []
+        self.after_descent: list[Callable[[], Awaitable[None]]] = []
+        self._armed = False
         self.reset()
         self.begin()
 
@@ -95,9 +99,11 @@ class Prober:
         dx, dy = probe.offset_mm if probe else (0.0, 0.0)
         self.offset_mm = dx, dy
         self.trigger_height_mm = 0.0
+        self.twist: dict[Literal["x", "y"], Twist] = {}
         self._sensing = probe if isinstance(probe, SensingProbe) else None
         if self._sensing is not None:
             self.trigger_height_mm = self._sensing.trigger_height_mm
+            self.twist = dict(self._sensing.twist)
 
     def begin(self) -> None:
         """Call this after the boards have started or been replaced: a servo stows its probe."""
@@ -153,6 +159,11 @@ class Prober:
         """X and Y of the nozzle, mm, when the probe is at `place`."""
         dx, dy = (0.0, 0.0) if place.by_nozzle else self.offset_mm
         return place.x - dx, place.y - dy
+
+    def twisted_mm(self, place: Place) -> float:
+        """What the twist of the axes adds to a height that is measured at a place, mm."""
+        at = {"x": place.x, "y": place.y}
+        return sum(twist.at(at[axis]) for axis, twist in self.twist.items())
 
     def place_here(self) -> Place:
         """The current place of the probe."""
@@ -303,6 +314,8 @@ class Prober:
         if self._interrupts.halted:
             return
         try:
+            if self._armed:
+                await self._end_descent()
             await self.probe.stow(self._head)
         except CommandError as further:
             before = error.problems if isinstance(error, CommandError) else ()
@@ -360,16 +373,16 @@ class Prober:
             await self._head.move(probe.travel_mm_s, x=x, y=y)
             if not self._deployed and not probe.travels_to_deploy:
                 await probe.deploy(self._head)
-            await probe.arm(self._head)
-            self._shift(await self._down(place, probe.fast_mm_s, near=False))
-            await probe.disarm(self._head)
+            await self._arm()
+            self._shift(place, await self._down(place, probe.fast_mm_s, near=False))
+            await self._disarm()
             await self._lift(probe.start_mm)
-            self._shift((await self._point(place)).trigger_z_mm)
+            self._shift(place, (await self._point(place)).trigger_z_mm)
             await self._lift(probe.start_mm)
 
-    def _shift(self, trigger_z_mm: float) -> None:
+    def _shift(self, place: Place, trigger_z_mm: float) -> None:
         """Sets Z so that the trigger was at the trigger height of the probe."""
-        by = self.trigger_height_mm - trigger_z_mm
+        by = self.trigger_height_mm - self.twisted_mm(place) - trigger_z_mm
         self._rig.job.axes.set([(Z, self._head.z_mm + by)])
 
     async def samples(self, place: Place, count: int) -> list[float]:
@@ -381,7 +394,7 @@ class Prober:
             await self._descend(place, self.probe.fast_mm_s)
             triggers = [await self._again(place) for _ in range(count)]
             await self._lift(self.probe.start_mm)
-            return [z - self.trigger_height_mm + place.offset_mm for z in triggers]
+            return [self._height(place, z) for z in triggers]
 
     async def _point(self, place: Place) -> Measured:
         """Measures one place: a fast descent, then the measured ones. If the samples differ too
@@ -399,12 +412,15 @@ class Prober:
             spread = max(samples) - min(samples)
             if spread <= probe.tolerance_mm:
                 z = median(samples) if probe.result == "median" else fmean(samples)
-                height = round(z - self.trigger_height_mm + place.offset_mm, 6)
-                return Measured(place, height, z)
+                return Measured(place, round(self._height(place, z), 6), z)
             if left == 0:
                 limit = f"{probe.tolerance_mm:g} mm"
                 raise self._failure("probe.unsteady", place, f"{spread:.4f} mm", limit)
         raise AssertionError("a loop of at least one round returns or raises")
+
+    def _height(self, place: Place, trigger_z_mm: float) -> float:
+        """The height of the bed, mm, for the Z of the nozzle when the probe triggered."""
+        return trigger_z_mm - self.trigger_height_mm + self.twisted_mm(place) + place.offset_mm
 
     async def _again(self, place: Place) -> float:
         """Lifts the nozzle and makes a measured descent. Returns Z of the nozzle at the trigger."""
@@ -425,10 +441,25 @@ class Prober:
 
     async def _descend(self, place: Place, speed_mm_s: float) -> float:
         """Descends until the probe triggers. Returns Z of the nozzle at the trigger."""
-        await self.probe.arm(self._head)
+        await self._arm()
         z = await self._down(place, speed_mm_s)
-        await self.probe.disarm(self._head)
+        await self._disarm()
         return z
+
+    async def _arm(self) -> None:
+        await self.probe.arm(self._head)
+        self._armed = True
+        for listener in self.before_descent:
+            await listener()
+
+    async def _disarm(self) -> None:
+        await self.probe.disarm(self._head)
+        await self._end_descent()
+
+    async def _end_descent(self) -> None:
+        self._armed = False
+        for listener in self.after_descent:
+            await listener()
 
     async def _down(self, place: Place, speed_mm_s: float, *, near: bool = True) -> float:
         """Descends until the probe triggers. With `near`, the descent starts at the start height,

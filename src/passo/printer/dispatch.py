@@ -198,6 +198,22 @@ class Dispatch:
 
         return self._take(insert, reply)
 
+    async def run_apart(self, name: str, text: str, reply: Reply) -> None:
+        """Runs the template `text` of the machine file, at its key `name`, in the middle of a
+        command, which goes on at its end. A failure goes to `reply`. Raises as `finish`, and
+        CommandError if the template fails."""
+        commands, program, console = self._rig.commands, self._rig.job.program, self._from_console
+        lines = commands.macros.rendered(
+            name, text, commands.status(), lambda answer: _respond(reply, answer)
+        )
+        program.insert_apart(lines.encode("utf-8", "surrogateescape"))
+        try:
+            while (wait := self._go_on(reply)) is not None:
+                await self._waits.wait(wait, reply)
+                self.select(console=console)
+        finally:
+            program.leave_apart()
+
     async def finish_macro(self, reply: Reply) -> None:
         """Executes the rest of a macro that a suspended job has handed over. Call it with the
         motion lock held. Raises as `finish`."""

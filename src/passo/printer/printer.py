@@ -19,6 +19,7 @@ from passo.printer.live_rig import LiveRig
 from passo.printer.machine_parts import MachineParts
 from passo.printer.motion_lock import MotionLock
 from passo.printer.print_objects import covered, objects_of
+from passo.printer.probe_gcode import ProbeGcode
 from passo.printer.recovery.reconnect import Reconnection
 from passo.printer.recovery.supervisor import Supervisor
 from passo.printer.saved_variables import SavedVariables
@@ -142,6 +143,7 @@ class Printer:
             *(outputs, motion, heat, self.levelling, inputs, self.sensors),
             *(self.suspension, self.settings, self.lateness),
         )
+        ProbeGcode(self.control, motion.prober)
         self.status = StatusReader(self.control, self.parts)
 
     # -- start and restart ------------------------------------------------------------------------

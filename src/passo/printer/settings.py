@@ -79,6 +79,8 @@ class Settings:
         levelling = self.levelling
         if self.rig.machine.probe:
             yield "Probe and bed levelling", list(levelling.bed.setting_lines())
+        if levelling.twist:
+            yield "Twist of the axes", list(levelling.twist.setting_lines())
         if levelling.delta:
             yield "Geometry of the delta", list(levelling.delta.setting_lines())
         if levelling.z_endstops:

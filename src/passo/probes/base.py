@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, Literal, Protocol
 
 from pydantic import Field
 
-from passo.config.types import Model, Pair, PartName, Pin, Positive, Speed
+from passo.config.types import Model, Pair, PartName, Pin, Position, Positive, Speed
 from passo.errors import CommandError
 
 HeightOffset = Annotated[float, Field(ge=-30, le=30)]
@@ -104,6 +104,36 @@ class Probe(Model):
         """Stows the probe after a run. Raises CommandError if that fails."""
 
 
+class Twist(Model):
+    """How the measured heights change along an axis whose rail is twisted, so that the probe tilts
+    about the nozzle."""
+
+    from_mm: Position
+    """The place on the bed, along the axis, for the first of `heights_mm`."""
+    to_mm: Position
+    """The place for the last."""
+    across_mm: Position
+    """The place on the other axis, of X and Y, where AXIS_TWIST_COMPENSATION_CALIBRATE measures."""
+    heights_mm: Annotated[list[Annotated[float, Field(ge=-5, le=5)]], Field(max_length=100)] = []
+    """What is added to the heights that the probe measures, at places at equal distances: none, or
+    at least two."""
+
+    def at(self, mm: float) -> float:
+        """The correction with the probe at this place, mm: linear between the places, and beyond
+        the outer ones on the same lines."""
+        heights = self.heights_mm
+        if len(heights) < 2:
+            return 0.0
+        along = (mm - self.from_mm) / (self.to_mm - self.from_mm) * (len(heights) - 1)
+        i = min(max(int(along), 0), len(heights) - 2)
+        return heights[i] + (along - i) * (heights[i + 1] - heights[i])
+
+    def places(self, count: int) -> list[float]:
+        """The places for this number of heights, mm."""
+        step = (self.to_mm - self.from_mm) / (count - 1)
+        return [round(self.from_mm + i * step, 6) for i in range(count)]
+
+
 class SensingProbe(Probe):
     """A probe with an input."""
 
@@ -131,6 +161,13 @@ class SensingProbe(Probe):
     """The pause before each descent."""
     open_within_mm: Annotated[float, Field(gt=0, le=20)] = 3.0
     """The maximum further lift at which a triggered probe must open."""
+    arm_gcode: str = ""
+    """A template of G-code that runs before each descent, in the language of macros: a nozzle that
+    is the probe cools down, or motors get less current. It must not move the axes."""
+    disarm_gcode: str = ""
+    """A template of G-code that runs after each descent, also after one that failed."""
+    twist: dict[Literal["x", "y"], Twist] = {}
+    """The correction of measured heights along X or Y for a twisted rail."""
     heaters_off: list[PartName] = []
     """Heaters that are off during each descent, since they disturb the probe; they stay on in a
     descent that may take longer than 20 s."""

@@ -76,7 +76,7 @@ class ManualProbe:
         *,
         screws: bool = False,
         lowest_mm: float = LOWEST_MM,
-    ) -> Wait:
+    ) -> WaitForProcedure:
         """Starts a test that moves the nozzle to each place in turn; `done` is called with the
         heights. The nozzle may go `lowest_mm` below the last measured bed. Raises CommandError."""
         if self._run is not None:
@@ -299,7 +299,7 @@ class ManualProbe:
 
         async def calibrate() -> None:
             (found,) = await self._prober.measure([place])
-            measured.append(found.trigger_z_mm)
+            measured.append(found.trigger_z_mm + self._prober.twisted_mm(place))
             self._correction.suspend()
             self._run = _Run([under], done, lambda _, __: None, 1, [], [])
             try:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from passo.geometry.skewable import SkewableModel
 from passo.levelling.areas import Area
 from passo.levelling.mesh_files import MeshStore
+from passo.printer.commands.axis_twist import AxisTwistCommands
 from passo.printer.commands.bed_correction import BedCorrectionCommands
 from passo.printer.commands.bed_screws import ScrewCommands
 from passo.printer.commands.delta_calibration import DeltaCommands, is_calibrated
@@ -37,6 +38,7 @@ class Levelling:
     gantry: ZMotorCommands | None
     screws: ScrewCommands | None
     skew: SkewCommands | None
+    twist: AxisTwistCommands | None
     handlers: list[object]  # the parts that handle commands
 
 
@@ -59,11 +61,13 @@ def build_levelling(
         delta = DeltaCommands(rig, prober, motion.correction, manual)
     z_endstops = EndstopOffsets(rig) if has_endstops(machine) else None
     skew = SkewCommands(rig) if isinstance(machine.geometry, SkewableModel) else None
-    gantry = screws = None
+    gantry = screws = twist = None
     handlers: list[object] = []
     if machine.probe is not None:
         handlers += [ProbeCommands(rig, prober), bed, correction, ProbeDeploymentCommands(prober)]
         handlers += [offsets, manual, ProbeMoveCommands(rig, prober)]
+        if prober.twist:
+            twist = AxisTwistCommands(prober, manual)
         if config.motors is not None:
             gantry = ZMotorCommands(
                 rig,
@@ -80,5 +84,7 @@ def build_levelling(
         handlers.append(manual)
     if delta is not None or z_endstops is not None:
         handlers.append(EndstopCommands(delta, z_endstops))
-    handlers += [part for part in (delta, gantry, screws, skew) if part is not None]
-    return Levelling(bed, correction, manual, delta, z_endstops, gantry, screws, skew, handlers)
+    handlers += [part for part in (delta, gantry, screws, skew, twist) if part is not None]
+    return Levelling(
+        bed, correction, manual, delta, z_endstops, gantry, screws, skew, twist, handlers
+    )

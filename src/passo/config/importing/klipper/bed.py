@@ -19,9 +19,12 @@ _MOST_REGIONS = 99  # that Klipper has
 DESCENT_S = 19.0  # a descent that would take longer is refused
 
 
+_KINDS = {"probe": "fixed", "bltouch": "bltouch", "smart_effector": "nozzle"}
+
+
 def put_probe(job: Import) -> None:
-    """Converts [probe] or [bltouch]. Sets `job.probe_pin`, with which Z may be homed."""
-    job.parts("probe", "bltouch", convert=_put_probe)
+    """Converts the section of the probe. Sets `job.probe_pin`, with which Z may be homed."""
+    job.parts(*_KINDS, convert=_put_probe)
 
 
 def _put_probe(job: Import, section: Section) -> None:
@@ -33,11 +36,13 @@ def _put_probe(job: Import, section: Section) -> None:
             raise section.missing(option)
         job.leave_out(section)
         return  # it is on a board that Passo does not drive
-    job.draft.put((*path, "kind"), section.name if touch else "fixed", section.place)
+    job.draft.put((*path, "kind"), _KINDS[section.name], section.place)
     job.put_value((*path, "pin"), section, option, pin)
     if touch:
         job.put("bltouch", section)
         section.used.add("stow_on_each_sample")
+    elif section.name == "smart_effector":
+        job.put("smart_effector", section)
     x, y = (section.number(f"{axis}_offset", 0.0) or 0.0 for axis in "xy")
     job.probe_offset = x, y
     job.put_value((*path, "offset_mm"), section, "x_offset", [x, y])
@@ -49,6 +54,28 @@ def _put_probe(job: Import, section: Section) -> None:
     job.draft.put((*path, "low_mm"), low if low != LOW_MM else None, None)
     job.draft.put((*path, "start_mm"), start if start != START_MM else None, None)
     job.probe_pin = pin
+
+
+def put_twist(job: Import) -> None:
+    """Converts the twist of the axes, if the machine has a probe."""
+    if job.probe_pin is not None:
+        job.parts("axis_twist_compensation", convert=_put_twist)
+
+
+def _put_twist(job: Import, section: Section) -> None:
+    for axis, stored in (("x", "z_compensations"), ("y", "zy_compensations")):
+        if f"calibrate_start_{axis}" not in section.options:
+            continue
+        job.put(f"twist_{axis}", section)
+        path = "probe", "twist", axis
+        for end, key in (("start", "from_mm"), ("end", "to_mm")):
+            mm = section.number(f"compensation_{end}_{axis}")
+            if mm is not None:  # where the stored heights were measured
+                job.draft.put((*path, key), mm, section.at(f"compensation_{end}_{axis}"))
+        heights = section.numbers(stored, "heights in mm, with commas between them")
+        job.put_value(
+            (*path, "heights_mm"), section, stored, None if heights is None else [*heights]
+        )
 
 
 def put_mesh(job: Import) -> None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from passo.config.importing.draft import Draft
 from passo.config.importing.klipper.accelerometer import put_accelerometer
-from passo.config.importing.klipper.bed import put_mesh, put_probe
+from passo.config.importing.klipper.bed import put_mesh, put_probe, put_twist
 from passo.config.importing.klipper.cfg import Config
 from passo.config.importing.klipper.conversion import TABLE, Import
 from passo.config.importing.klipper.heat import put_heat
@@ -58,6 +58,7 @@ def imported(path: Path, *, board: str | None = None) -> Draft:
 def _put_all(job: Import, board: str | None) -> None:
     draft = job.draft
     put_probe(job)
+    put_twist(job)
     put_motion(job)
     put_heat(job)
     put_outputs(job)
