@@ -1994,6 +1994,14 @@ class JobProgram:
         After MACRO: the lines that the call of the macro `code` becomes. They are read next, with the line number of the call, and then the rest of its line. While they run, also in macros that they call, the name of a macro that replaces a built-in command is that of the command.
         """
 
+    def insert_apart(self, text: bytes) -> None:
+        """
+        In the middle of a command: lines that are read before the rest of its line. At their end, `advance` returns NEED_INPUT until `leave_apart`.
+        """
+
+    def leave_apart(self) -> None:
+        """Drops what is left of the lines of `insert_apart`."""
+
     @property
     def commands(self) -> int:
         """The number of commands read, including unknown ones."""
