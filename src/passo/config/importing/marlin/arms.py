@@ -22,11 +22,8 @@ FULL_TURN_DEG = 360.0
 def put_arms(job: Job, external: bool) -> None:
     """Converts the lengths of the arms. With `external`, the motor of the forearm is on the base,
     as in a Morgan. Raises ConfigError."""
-    job.put(("geometry", "arm1"), job.needed("SCARA_LINKAGE_1"))
-    job.put(("geometry", "arm2"), job.needed("SCARA_LINKAGE_2"))
+    job.rows("arms")
     job.draft.put(("geometry", "external_motor"), external, None)
-    job.put(("geometry", "x_offset"), job.defines.number("SCARA_OFFSET_X"))
-    job.put(("geometry", "y_offset"), job.defines.number("SCARA_OFFSET_Y"))
     text = "Marlin has no limits for arms: give min_deg and max_deg of steppers.a and steppers.b"
     job.decide("SCARA_LINKAGE_1", text)
 

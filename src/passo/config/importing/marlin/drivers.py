@@ -9,7 +9,6 @@ from passo.config.drivers import DriverName
 if TYPE_CHECKING:
     from passo.config.importing.draft import KeyPath
     from passo.config.importing.marlin.conversion import Job
-    from passo.config.importing.numbers import Read
 
 _KNOWN: tuple[str, ...] = get_args(DriverName)
 _UART = ("TMC2208", "TMC2209")
@@ -19,7 +18,7 @@ _OWN_TIMES = {"POLOLU": "A4988", "TMC26X": "TMC2660", "A5984": "A5984"}
 _ALWAYS_MM_S = 1e6  # no motor is faster: silent at any speed
 
 
-def put_driver(job: Job, path: KeyPath, name: str, steps: Read) -> None:
+def put_driver(job: Job, path: KeyPath, name: str) -> None:
     """Converts the driver of the motor with this name in Marlin: X, Z2, E0."""
     defines, put = job.defines, job.draft.put
     first = name if name.startswith("E") else name[0]
@@ -44,34 +43,21 @@ def put_driver(job: Job, path: KeyPath, name: str, steps: Read) -> None:
         job.decide(define, text)
         return
     tmc = (*path, "tmc")
-    job.put((*tmc, "run_current_a"), current, 1e-3)
+    job.rows("driver", name=path[-1], motor=name, axis=first)
     hold = defines.number("HOLD_MULTIPLIER")
     if hold is not None and hold.value > 0:
         put((*tmc, "hold_current_a"), round(current.value * hold.value / 1000, 4), hold.place)
-    job.put((*tmc, "sense_resistor_ohm"), defines.number(f"{name}_RSENSE", f"{first}_RSENSE"))
-    microsteps = defines.number(f"{name}_MICROSTEPS", f"{first}_MICROSTEPS")
-    if microsteps is not None:
-        put((*path, "microsteps"), microsteps.whole(1, 256), microsteps.place)
-    if not defines.on("INTERPOLATE") and "INTERPOLATE" in defines.found:
-        put((*tmc, "interpolate"), False, job.place("INTERPOLATE"))
-    address = defines.number(f"{name}_SLAVE_ADDRESS")
-    if address is not None and address.value and kind == "TMC2209":
-        put((*tmc, "address"), address.whole(0, 3), address.place)
+    if kind == "TMC2209":
+        job.rows("tmc2209", name=path[-1], motor=name)
     for key, pin in pins.items():
         put((*tmc, key), pin, None)
-    _put_silence(job, tmc, name)
-
-
-def _put_silence(job: Job, tmc: KeyPath, name: str) -> None:
-    defines, first = job.defines, name[0]
-    group = "STEALTHCHOP_XY" if first in "XY" else f"STEALTHCHOP_{first}"
-    if not defines.on(group):
-        return
-    limit = defines.number(f"{name}_HYBRID_THRESHOLD", f"{name[:2]}_HYBRID_THRESHOLD")
-    if defines.on("HYBRID_THRESHOLD") and limit is not None:
-        job.put((*tmc, "stealthchop_below_mm_s"), limit)
-    else:
-        job.draft.put((*tmc, "stealthchop_below_mm_s"), _ALWAYS_MM_S, job.place(group))
+    group = "STEALTHCHOP_XY" if first in "XY" else f"STEALTHCHOP_{name[0]}"
+    if defines.on(group):
+        limit = defines.number(f"{name}_HYBRID_THRESHOLD", f"{name[:2]}_HYBRID_THRESHOLD")
+        if defines.on("HYBRID_THRESHOLD") and limit is not None:
+            job.put((*tmc, "stealthchop_below_mm_s"), limit)
+        else:
+            put((*tmc, "stealthchop_below_mm_s"), _ALWAYS_MM_S, job.place(group))
 
 
 def _pins(job: Job, name: str, kind: str, stepper: str) -> dict[str, str | None]:

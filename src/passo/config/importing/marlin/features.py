@@ -3,9 +3,11 @@ display."""
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from passo.config.geometry_kinds import KINDS
+from passo.config.importing.marlin.conversion import TABLE
 from passo.config.shapers import SHAPER_TYPES
 
 if TYPE_CHECKING:
@@ -24,17 +26,17 @@ _DISPLAYS = {
 def put_features(job: Job) -> None:
     """Converts all of them. One that Passo cannot take is left out."""
     for name, convert in (
-        ("DEFAULT_STEPPER_TIMEOUT_SEC", _put_idle),
         ("NOZZLE_PARK_FEATURE", _put_park),
-        ("FWRETRACT", _put_retraction),
-        ("EXTRUDE_MINTEMP", _put_cold_limit),
         ("PSU_CONTROL", _put_mains),
         ("LASER_FEATURE", _put_laser),
         ("INPUT_SHAPING_X", _put_shapers),
         ("BACKLASH_COMPENSATION", _put_backlash),
         ("PREHEAT_1_TEMP_HOTEND", _put_presets),
     ):
-        job.part(name, lambda convert=convert: convert(job))
+        job.part(name, partial(convert, job))
+    for name, group in TABLE.groups.items():
+        if group.alone:
+            job.part(group.of.partition(",")[0], partial(job.rows, name))
 
 
 def _put_presets(job: Job) -> None:
@@ -62,9 +64,9 @@ def _put_backlash(job: Job) -> None:
         return
     distances = defines.numbers("BACKLASH_DISTANCE_MM") or []
     correction = defines.number("BACKLASH_CORRECTION")
-    smooth = defines.number("BACKLASH_SMOOTHING_MM")
     share = correction.value if correction else 0.0
     gaps = [(axis, gap) for axis, gap in zip("xyz", distances, strict=False) if gap.value > 0]
+    defines.first("BACKLASH_SMOOTHING_MM")
     if share <= 0 or not gaps:
         job.dropped(name, "no gap is corrected; M425 sets it")
         return
@@ -73,83 +75,41 @@ def _put_backlash(job: Job) -> None:
             job.put(("backlash", f"{axis}_mm"), gap, share)
         else:
             job.dropped(name, f"no motor moves {axis.upper()} alone")
-    if smooth is not None and smooth.value > 0:
-        job.put(("backlash", "smooth_mm"), smooth)
+    job.rows("backlash")
 
 
 def _put_shapers(job: Job) -> None:
     """Converts input shaping to a ZV shaper, with Marlin's damping ratio. The shaper of fixed-time
     motion is used if the machine starts in this mode."""
-    defines, put = job.defines, job.draft.put
+    defines = job.defines
     fixed = defines.on("FT_MOTION", "FTM_IS_DEFAULT_MOTION") and defines.on("FTM_IS_DEFAULT_MOTION")
-    for axis in "xyz":
-        letter, path = axis.upper(), ("shaping", axis)
-        if defines.on(f"INPUT_SHAPING_{letter}"):
+    for axis, letter in zip("xyz", "XYZ", strict=True):
+        define, group, kind = f"INPUT_SHAPING_{letter}", "shaping", "zv"
+        if defines.on(define):
             if ("laser", "pin") in job.draft.keys:
-                text = "no shaping with a laser, whose power follows the plan"
-                job.dropped(f"INPUT_SHAPING_{letter}", text)
+                job.dropped(define, "no shaping with a laser, whose power follows the plan")
                 continue
-            frequency = defines.number(f"SHAPING_FREQ_{letter}")
-            if frequency is None or frequency.value <= 0:
-                continue
-            put((*path, "type"), "zv", job.place(f"INPUT_SHAPING_{letter}"))
-            job.put((*path, "frequency_hz"), frequency)
-            job.put((*path, "damping"), defines.number(f"SHAPING_ZETA_{letter}"))
+            names = [f"SHAPING_FREQ_{letter}"]
         elif fixed:
-            written = defines.text(f"FTM_DEFAULT_SHAPER_{letter}") or ""
-            word = written.rpartition("_")[2]
+            define, group = f"FTM_DEFAULT_SHAPER_{letter}", "fixed_time"
+            word = (defines.text(define) or "").rpartition("_")[2]
             kind = _FIXED_TIME.get(word, word.lower())
-            frequency = defines.number(
-                f"FTM_SHAPING_DEFAULT_FREQ_{letter}", f"FTM_SHAPING_DEFAULT_{letter}_FREQ"
-            )
-            if kind not in SHAPER_TYPES or frequency is None or frequency.value <= 0:
-                continue
-            put((*path, "type"), kind, job.place(f"FTM_DEFAULT_SHAPER_{letter}"))
-            job.put((*path, "frequency_hz"), frequency)
-            job.put((*path, "damping"), defines.number(f"FTM_SHAPING_ZETA_{letter}"))
-
-
-def _put_retraction(job: Job) -> None:
-    """Converts the retraction of G10 and G11, if it is in use."""
-    if not job.defines.on("FWRETRACT"):
-        return
-    for name, key in (
-        ("RETRACT_LENGTH", "length_mm"),
-        ("RETRACT_FEEDRATE", "speed_mm_s"),
-        ("RETRACT_ZRAISE", "hop_mm"),
-        ("RETRACT_RECOVER_LENGTH", "extra_mm"),
-        ("RETRACT_RECOVER_FEEDRATE", "return_mm_s"),
-    ):
-        found = job.defines.number(name)
-        if found is not None and (found.value > 0 or key == "extra_mm"):
-            job.put(("retraction", key), found)
-
-
-def _put_cold_limit(job: Job) -> None:
-    if job.defines.on("PREVENT_COLD_EXTRUSION"):
-        job.put(("limits", "min_extrude_c"), job.defines.number("EXTRUDE_MINTEMP"))
-
-
-def _put_idle(job: Job) -> None:
-    found = job.defines.number("DEFAULT_STEPPER_TIMEOUT_SEC", "DEFAULT_STEPPER_DEACTIVE_TIME")
-    job.put(("idle", "motors_off_s"), found)
+            names = [f"FTM_SHAPING_DEFAULT_{at}" for at in (f"FREQ_{letter}", f"{letter}_FREQ")]
+        else:
+            continue
+        frequency = defines.number(*names)
+        if kind in SHAPER_TYPES and frequency is not None and frequency.value > 0:
+            job.draft.put(("shaping", axis, "type"), kind, job.place(define))
+            job.rows(group, axis=axis, letter=letter)
 
 
 def _put_park(job: Job) -> None:
-    defines = job.defines
-    if not defines.on("NOZZLE_PARK_FEATURE"):
-        return
-    point = defines.numbers("NOZZLE_PARK_POINT")
-    if point is None or len(point) < 3:
-        return
-    path, place = ("park",), point[0].place
-    job.draft.put((*path, "position_mm"), [float(one.value) for one in point[:2]], place)
-    if point[2].value >= 0:
-        job.put((*path, "raise_mm"), point[2])
-    job.put((*path, "speed_mm_s"), defines.number("NOZZLE_PARK_XY_FEEDRATE"))
-    if defines.on("ADVANCED_PAUSE_FEATURE"):
-        job.put((*path, "retract_mm"), defines.number("PAUSE_PARK_RETRACT_LENGTH"))
-        job.put((*path, "retract_mm_s"), defines.number("PAUSE_PARK_RETRACT_FEEDRATE"))
+    point = job.defines.on("NOZZLE_PARK_FEATURE") and job.defines.numbers("NOZZLE_PARK_POINT")
+    if point and len(point) > 2:
+        at = [float(one.value) for one in point[:2]]
+        job.draft.put(("park", "position_mm"), [*at], point[0].place)
+        job.put(("park", "raise_mm"), point[2] if point[2].value >= 0 else None)
+        job.rows("park")
 
 
 def _put_mains(job: Job) -> None:
@@ -166,9 +126,7 @@ def _put_mains(job: Job) -> None:
     state = defines.text("PSU_ACTIVE_STATE", "PSU_ACTIVE_HIGH")
     low = state in (None, "LOW", "0", "false") and not (supply and supply.value == 2)
     job.draft.put(("mains", "pin"), f"{'!' if low else ''}{pin}", defines.place(name))
-    if defines.on("PSU_DEFAULT_OFF", "PS_DEFAULT_OFF"):
-        place = job.place("PSU_DEFAULT_OFF", "PS_DEFAULT_OFF")
-        job.draft.put(("mains", "on_at_start"), False, place)
+    job.rows("mains")
 
 
 def _put_laser(job: Job) -> None:

@@ -15,7 +15,6 @@ from passo.geometry.delta import ANGLES
 
 if TYPE_CHECKING:
     from passo.config.importing.marlin.conversion import Job
-    from passo.config.importing.numbers import Read
 
 _KINDS = {  # by define; of the second three the motor that subtracts turns the other way
     "COREXY": "corexy",
@@ -69,7 +68,8 @@ def put_motion(job: Job) -> None:
         put_homing(job, index, letter, motor)
     for number in range(job.extruders):
         _put_extruder(job, number, 3 + len(beyond))
-    _put_limits(job)
+    job.rows("limits")
+    _put_junction(job)
 
 
 def _kind(job: Job) -> str:
@@ -139,85 +139,50 @@ def _put_skew(job: Job) -> None:
 
 
 def _put_axes(job: Job) -> None:
-    speeds = job.needed_list("DEFAULT_MAX_FEEDRATE")
-    accels = job.needed_list("DEFAULT_MAX_ACCELERATION")
+    job.needed_list("DEFAULT_MAX_FEEDRATE")
+    job.needed_list("DEFAULT_MAX_ACCELERATION")
     for index, axis in enumerate("xyz"):
-        path, letter = ("axes", axis), axis.upper()
-        if job.kind == "delta":
-            _put_delta_axis(job, axis)
+        if job.kind != "delta":
+            job.rows("travel", axis=axis, letter=axis.upper())
+        elif axis == "z":
+            job.rows("delta_z")
         else:
-            low = job.defines.number(f"{letter}_MIN_POS")
-            if low is not None and low.value:
-                job.put((*path, "min_mm"), low)
-            else:
-                job.draft.put((*path, "min_mm"), 0.0, low.place if low else None)
-            job.put((*path, "max_mm"), job.needed(f"{letter}_MAX_POS", f"{letter}_MAX_LENGTH"))
-        job.put((*path, "speed_mm_s"), speeds[index])
-        job.put((*path, "accel_mm_s2"), accels[index])
+            reach = job.needed("PRINTABLE_RADIUS", "DELTA_PRINTABLE_RADIUS")
+            job.put(("axes", axis, "min_mm"), reach, -1)
+            job.rows("delta_x_y", axis=axis)
+            job.draft.put(("axes", axis, "home_mm"), 0.0, None)
+        job.rows("axis", axis=axis, index=str(index))
     if job.kind == "scara":
         put_end_limits(job)
-
-
-def _put_delta_axis(job: Job, axis: str) -> None:
-    path, reach = ("axes", axis), job.needed("PRINTABLE_RADIUS", "DELTA_PRINTABLE_RADIUS")
-    if axis == "z":
-        top = job.needed("DELTA_HEIGHT", "MANUAL_Z_HOME_POS")
-        low = job.defines.number("Z_MIN_POS")
-        job.draft.put((*path, "min_mm"), low.value if low else 0.0, low.place if low else None)
-        job.put((*path, "max_mm"), top)
-        job.put((*path, "home_mm"), top)
-        return
-    job.put((*path, "min_mm"), reach, -1)
-    job.put((*path, "max_mm"), reach)
-    job.draft.put((*path, "home_mm"), 0.0, None)
 
 
 def _put_extruder(job: Job, number: int, first: int) -> None:
     """Converts an extruder. If each extruder has its own values, they are at `first` and after
     it."""
-    name = f"e{number}" if number else "e"
-    path, defines = ("steppers", name), job.defines
-
-    def own(found: list[Read]) -> Read:
-        at = min(first, len(found) - 1)
-        return found[min(at + number, len(found) - 1)]
-
-    steps = own(job.needed_list("DEFAULT_AXIS_STEPS_PER_UNIT"))
-    job.put((*path, "steps_per_mm"), steps)
+    name, defines = f"e{number}" if number else "e", job.defines
+    steps = job.needed_list("DEFAULT_AXIS_STEPS_PER_UNIT")
+    index = min(first, len(steps) - 1) + number
+    path = ("steppers", name)
+    job.rows("stepper", name=name, index=str(index))
     put_socket(job, path, f"E{number}", f"E{number}")
     found = defines.number(f"INVERT_E{number}_DIR")
-    job.draft.put(
-        (*path, "invert"), True if found and found.value else None, found.place if found else None
-    )
-    put_driver(job, path, f"E{number}", steps)
-    path = ("extruders", name)
-    job.put((*path, "speed_mm_s"), own(job.needed_list("DEFAULT_MAX_FEEDRATE")))
-    job.put((*path, "accel_mm_s2"), own(job.needed_list("DEFAULT_MAX_ACCELERATION")))
-    jerks = defines.numbers("DEFAULT_EJERK")
-    if jerks:
-        job.put((*path, "jerk_mm_s"), jerks[min(number, len(jerks) - 1)])
-    if defines.on("LIN_ADVANCE"):
-        factors = defines.numbers("ADVANCE_K", "LIN_ADVANCE_K")
-        if factors:
-            job.put((*path, "advance_s"), factors[min(number, len(factors) - 1)])
+    inverted = True if found and found.value else None
+    job.draft.put((*path, "invert"), inverted, found.place if found else None)
+    put_driver(job, path, f"E{number}")
+    job.rows("extruder", name=name, index=str(first + number), number=str(number))
 
 
-def _put_limits(job: Job) -> None:
+def _put_junction(job: Job) -> None:
     defines, put = job.defines, job.draft.put
-    job.put(("limits", "print_accel_mm_s2"), defines.number("DEFAULT_ACCELERATION"))
-    job.put(("limits", "travel_accel_mm_s2"), defines.number("DEFAULT_TRAVEL_ACCELERATION"))
-    job.put(("limits", "retract_accel_mm_s2"), defines.number("DEFAULT_RETRACT_ACCELERATION"))
     deviation, classic = defines.number("JUNCTION_DEVIATION_MM"), defines.on("CLASSIC_JERK")
     if deviation is not None and not classic:
         put(("limits", "junction"), "deviation", deviation.place)
-        job.put(("limits", "junction_deviation_mm"), deviation)
+        job.rows("deviation")
         return
-    jerks = {axis: defines.number(f"DEFAULT_{axis.upper()}JERK") for axis in "xyz"}
-    both = defines.number("DEFAULT_XYJERK")
-    for axis in "xy":
-        jerks[axis] = jerks[axis] or both
-    if any(jerks.values()):
-        place = next(found.place for found in jerks.values() if found)
-        put(("limits", "junction"), "jerk", place)
-        for axis, found in jerks.items():
-            job.put(("axes", axis, "jerk_mm_s"), found)
+    pairs = {"X": "XY", "Y": "XY", "Z": "Z"}
+    names = [f"DEFAULT_{axis}JERK" for axis in ("X", "XY", "Y", "Z")]
+    used = next((name for name in names if defines.first(name)), None)
+    if used is not None:
+        put(("limits", "junction"), "jerk", defines.place(used))
+        for letter, pair in pairs.items():
+            job.rows("jerk", axis=letter.lower(), letter=letter, pair=pair)

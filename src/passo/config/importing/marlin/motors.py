@@ -27,25 +27,22 @@ MOTORS = {
 def put_motor(job: Job, index: int, letter: str, motor: str, subtracts: bool) -> None:
     """Converts the motor of an axis or a tower, and further motors of the same axis."""
     axis = letter.upper()
-    steps = job.needed_list("DEFAULT_AXIS_STEPS_PER_UNIT")[index]
+    job.needed_list("DEFAULT_AXIS_STEPS_PER_UNIT")
     names = [axis, *further_motors(job, axis)]
     turns = job.kind == "scara" and letter in ARMS
     for number, name in enumerate(names):
         stepper = motor if number == 0 else f"{motor}{number}"
         path = ("steppers", stepper)
-        job.put((*path, "steps_per_degree" if turns else "steps_per_mm"), steps)
-        if turns:
-            job.put((*path, "speed_deg_s"), job.needed_list("DEFAULT_MAX_FEEDRATE")[index])
-            job.put((*path, "accel_deg_s2"), job.needed_list("DEFAULT_MAX_ACCELERATION")[index])
+        job.rows("arm" if turns else "stepper", name=stepper, index=str(index))
         if number == 0:
             put_socket(job, path, name, axis)
         elif not job.part(name, partial(put_socket, job, path, name, axis)):
             job.draft.keys = {k: v for k, v in job.draft.keys.items() if k[:2] != path}
             continue
         _put_inversion(job, path, axis, name if number else None, subtracts)
-        put_driver(job, path, name, steps)
+        put_driver(job, path, name)
         if job.kind == "delta":
-            job.put((*path, "speed_mm_s"), job.needed_list("DEFAULT_MAX_FEEDRATE")[index])
+            job.rows("tower", name=stepper, index=str(index))
 
 
 def further_motors(job: Job, axis: str) -> list[str]:
