@@ -34,7 +34,7 @@ RUN = (
 )
 CHANGES = (
     *("add-a-command", "add-a-sensor", "add-a-geometry", "add-a-motion-filter", "add-a-probe"),
-    "add-an-endpoint",
+    *("add-an-endpoint", "add-an-importer-row"),
 )
 SILENT = ("add-a-geometry", "add-a-motion-filter", "add-an-endpoint")  # they show no output
 
