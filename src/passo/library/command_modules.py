@@ -15,6 +15,7 @@ from passo.gcode import ignored_commands, interpreter_commands
 from passo.job.live import statistics
 from passo.printer import delayed_gcode, macros
 from passo.printer.commands import (
+    axis_twist,
     backlash,
     bed_correction,
     bed_screws,
@@ -62,6 +63,7 @@ MODULES = (
     *(aprinter_options, card_commands, commands, job_commands, json_status, object_commands),
     *(recovery_commands, settings_commands, ignored_commands, interpreter_commands, statistics),
     *(
+        axis_twist,
         backlash,
         bed_screws,
         beeper,
