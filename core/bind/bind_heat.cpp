@@ -226,7 +226,8 @@ void bind_heater(nb::module_& m) {
              bool open_is_high, const Control& control, const ProtectionLimits& limits,
              const std::optional<HeatModel>& model, int32_t fan_target, double fan_full,
              bool inverted, heat::Converter converter, uint32_t spi_oid,
-             const nb::bytes& clears_faults) {
+             const nb::bytes& clears_faults,
+             const std::vector<std::pair<uint32_t, bool>>& further) {
             const auto* clears = reinterpret_cast<const uint8_t*>(clears_faults.c_str());
             new (self)
                 HeaterOptions{sensor_oid,   output_oid,
@@ -239,15 +240,18 @@ void bind_heater(nb::module_& m) {
                               limits,       model,
                               fan_target,   fan_full,
                               inverted,     converter,
-                              spi_oid,      wire::Bytes(clears, clears + clears_faults.size())};
+                              spi_oid,      wire::Bytes(clears, clears + clears_faults.size()),
+                              further};
           },
           "sensor_oid"_a, "output_oid"_a, "pwm"_a, "full"_a, "adc_full"_a, "query"_a, "longest_s"_a,
           "max_power"_a, "arrival"_a, "celsius"_a, "low_share"_a, "high_share"_a, "open_is_high"_a,
           "control"_a, "limits"_a, "model"_a.none(), "fan_target"_a = -1, "fan_full"_a = 1.0,
           "inverted"_a = false, "converter"_a = heat::Converter::none, "spi_oid"_a = 0,
-          "clears_faults"_a = nb::bytes(""),
+          "clears_faults"_a = nb::bytes(""), "further"_a = nb::list(),
           "longest_s: time after which the board switches the power off if it is not "
-          "renewed.\nfan_target: index of the fan's output among the link's pins.");
+          "renewed.\nfan_target: index of the fan's output among the link's pins.\n"
+          "further: oids of outputs that switch with the first one, and whether they are "
+          "inverted.");
   nb::class_<Heater>(m, "Heater", "A heater loop that runs in the thread of the link.")
       .def_prop_ro("celsius", &held<&Heater::celsius>)
       .def_prop_ro("fraction", &held<&Heater::fraction>,

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "heat/controller.hpp"
 #include "heat/converter.hpp"
@@ -54,6 +55,8 @@ struct HeaterOptions {
                                                       // if there is one
   uint32_t spi_oid = 0;                               // of the converter
   Bytes clears_faults;  // clears a fault of the converter; empty: no command
+  std::vector<std::pair<uint32_t, bool>> further;  // oids of outputs that switch with the first
+                                                   // one, and whether they are on when low
 };
 
 // The input and output of the loop for one report.

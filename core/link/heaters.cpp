@@ -101,20 +101,28 @@ void Heaters::query(const HeaterOptions& o, Ticks clock, bool wide, Ticks now) {
 }
 
 void Heaters::tell_keeping(size_t i, int64_t value) {
-  const HeaterOptions& o = heaters_[i]->options();
   kept_[i] = value;
-  send_("survive_output",
-        {int64_t(o.output_oid),
-         int64_t(JobStream::on_wire(uint32_t(value), o.inverted ? o.full : 0)), kKeptSeconds});
+  send_all(heaters_[i]->options(), "survive_output", uint32_t(value),
+           [](int64_t oid, int64_t own) { return std::vector<Value>{oid, own, kKeptSeconds}; });
 }
 
 void Heaters::set_power(size_t i, uint32_t value, Ticks now) {
   const HeaterOptions& o = heaters_[i]->options();
   Ticks due = sync_.clock_at(now) + Ticks(kLeadSeconds * hz_);
   heater_clock_[i] = std::max(due, heater_clock_[i] + 1);
-  send_(o.pwm ? "queue_pwm_out" : "queue_digital_out",
-        {int64_t(o.output_oid), int64_t(uint32_t(heater_clock_[i])),
-         int64_t(JobStream::on_wire(value, o.inverted ? o.full : 0))});
+  send_all(o, o.pwm ? "queue_pwm_out" : "queue_digital_out", value,
+           [clock = int64_t(uint32_t(heater_clock_[i]))](int64_t oid, int64_t own) {
+             return std::vector<Value>{oid, clock, own};
+           });
+}
+
+void Heaters::send_all(const HeaterOptions& o, const std::string& command, uint32_t value,
+                       const Values& values) {
+  auto send_to = [&](uint32_t oid, bool inverted) {
+    send_(command, values(oid, JobStream::on_wire(value, inverted ? o.full : 0)));
+  };
+  send_to(o.output_oid, o.inverted);
+  for (auto [oid, inverted] : o.further) send_to(oid, inverted);
 }
 
 }  // namespace passo::wire

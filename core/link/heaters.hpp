@@ -62,6 +62,11 @@ class Heaters {
   void query(const HeaterOptions& o, Ticks clock, bool wide, Ticks now);
   void tell_keeping(size_t i, int64_t value);
   void set_power(size_t i, uint32_t value, Ticks now);
+  // The parameters of a command, for the oid of an output and its value on the wire.
+  using Values = std::function<std::vector<Value>(int64_t, int64_t)>;
+  // Sends a command to each output of a heater.
+  void send_all(const HeaterOptions& o, const std::string& command, uint32_t value,
+                const Values& values);
 };
 
 }  // namespace passo::wire

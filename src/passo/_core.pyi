@@ -305,10 +305,11 @@ class Arrival:
     def seconds(self) -> float: ...
 
 class HeaterOptions:
-    def __init__(self, sensor_oid: int, output_oid: int, pwm: bool, full: int, adc_full: int, query: SensorQuery, longest_s: float, max_power: float, arrival: Arrival, celsius: Sequence[tuple[float, float]], low_share: float, high_share: float, open_is_high: bool, control: PidControl | OnOffControl | ModelControl | RelayControl, limits: ProtectionLimits, model: HeatModel | None, fan_target: int = -1, fan_full: float = 1.0, inverted: bool = False, converter: Converter = Converter.NONE, spi_oid: int = 0, clears_faults: bytes = ...) -> None:
+    def __init__(self, sensor_oid: int, output_oid: int, pwm: bool, full: int, adc_full: int, query: SensorQuery, longest_s: float, max_power: float, arrival: Arrival, celsius: Sequence[tuple[float, float]], low_share: float, high_share: float, open_is_high: bool, control: PidControl | OnOffControl | ModelControl | RelayControl, limits: ProtectionLimits, model: HeatModel | None, fan_target: int = -1, fan_full: float = 1.0, inverted: bool = False, converter: Converter = Converter.NONE, spi_oid: int = 0, clears_faults: bytes = ..., further: Sequence[tuple[int, bool]] = []) -> None:
         """
         longest_s: time after which the board switches the power off if it is not renewed.
         fan_target: index of the fan's output among the link's pins.
+        further: oids of outputs that switch with the first one, and whether they are inverted.
         """
 
 class Heater:

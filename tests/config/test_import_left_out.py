@@ -44,7 +44,7 @@ def load(tmp_path: Path):
         ("sensor_pin: PC5\n", "", "sensor_pin in [extruder] is missing"),
         ("sensor_type: mine", "sensor_type: yours", "sensor_type in [extruder] is 'yours'"),
         ("max_temp: 250", "max_temp: hot", "max_temp in [extruder] is 'hot': expected a number"),
-        ("heater_pin: PA1", "heater_pin: multi_pin:both", "does not switch several outputs"),
+        ("heater_pin: PA1", "heater_pin: multi_pin:both", "a [multi_pin] of this file"),
         ("resistance2: 1641.9", "resistance2: 100000", "points of one falling curve"),
         ("sensor_type: mine", "sensor_type: MAX6675\nspi_bus: spi9", "does not use the chip's SPI"),
     ],

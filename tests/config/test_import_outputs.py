@@ -5,8 +5,10 @@ from pathlib import Path
 import pytest
 from tests.config.test_import_klipper import BASE
 from tests.support.import_remarks import remarks
+from tests.support.scenario import Scenario
 
 from passo import config
+from passo.config.exporting.klipper import exported
 from passo.config.exporting.settings import Sections
 from passo.config.importing.formats import imported
 from passo.config.importing.settling import settle
@@ -123,3 +125,72 @@ def test_clients_see_the_sections_of_outputs_and_sensors(made):
     assert settings["static_digital_output levels_2"]["pins"] == ("!PC11",)
     assert settings["temperature_sensor mcu"]["sensor_type"] == "temperature_mcu"
     assert settings["temperature_sensor chamber"]["gcode_id"] == "C"
+
+
+JOINED = """
+[multi_pin bed_pads]
+pins: PC6, !PC7
+[multi_pin blowers]
+pins: PC8, PC9, PB0
+[multi_pin apart]
+pins: PB1, other:PB1
+[multi_pin spare]
+pins: PB2
+[mcu other]
+serial: /tmp/other
+[fan_generic both]
+pin: multi_pin:blowers
+[output_pin two]
+pin: !multi_pin:bed_pads
+[output_pin far]
+pin: multi_pin:apart
+[output_pin BEEPER_pin]
+pin: PB10
+pwm: True
+[gcode_macro M300]
+gcode:
+  SET_PIN PIN=BEEPER_pin VALUE=1
+  G4 P{params.P|default(100)}
+  SET_PIN PIN=BEEPER_pin VALUE=0
+[gcode_macro CHIRP]
+gcode:
+  SET_PIN PIN=BEEPER_pin VALUE=1
+"""
+
+
+def test_several_pins_of_one_output_are_further_pins(tmp_path: Path) -> None:
+    path = tmp_path / "printer.cfg"
+    path.write_text(BASE + JOINED)
+    draft = imported(path)
+    settle(draft)
+    machine = config.load_text(draft.text(""), "x.toml")
+    fan, two = machine.fans["both"], machine.outputs["two"]
+    assert (fan.pin, fan.further_pins) == ("PC8", ["PC9", "PB0"])
+    assert (two.pin, two.further_pins) == ("!PC6", ["PC7"])
+    told = "\n".join(remarks(draft, "decide"))
+    assert "pin in [output_pin far] is 'multi_pin:apart': expected pins of one board" in told
+    assert "far" not in machine.outputs
+    dropped = "\n".join(remarks(draft, "dropped"))
+    assert "[multi_pin spare]: no output that Passo drives has these pins" in dropped
+    assert "blowers" not in dropped
+    text = exported(machine).text("")
+    assert "[multi_pin both-fan]\npins: PC8, PC9, PB0\n" in text
+    assert "pin: multi_pin:two-output\n" in text
+
+
+def test_output_named_beeper_sounds_at_m300(tmp_path: Path) -> None:
+    path = tmp_path / "printer.cfg"
+    path.write_text(BASE + JOINED)
+    draft = imported(path)
+    settle(draft)
+    machine = config.load_text(draft.text(""), "x.toml")
+    assert machine.beeper is not None
+    assert (machine.beeper.pin, [*machine.macros]) == ("PB10", ["CHIRP"])
+    assert "sounds at M300 without a macro" in "\n".join(remarks(draft, "changed"))
+    with Scenario(config.on_simulated_boards(machine)) as s:
+        s.passes(1)
+        s.board.trace_output("beeper")
+        assert s.host.ok("M300 S1000 P200")[-1] == "ok"
+        s.passes(1)
+        assert s.board.take_changes("beeper")
+        assert s.host.ok("CHIRP")[-1] == "ok"

@@ -124,6 +124,10 @@ def test_set_temperature_fan_target_sets_target_and_limits():
         assert s.until(lambda: power(s) == 0, 2)
         refused = s.host.ok("SET_TEMPERATURE_FAN_TARGET TEMPERATURE_FAN=no TARGET=25")[0]
         assert "cooler" in refused
+        s.host.ok("M142 S20")
+        assert s.until(lambda: power(s) == 0.5, 2)
+        s.host.ok("M142")
+        assert s.until(lambda: power(s) == 0, 2)
 
 
 def test_fan_of_a_broken_sensor_has_full_power():

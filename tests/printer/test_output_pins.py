@@ -166,3 +166,45 @@ def test_impossible_outputs_are_refused_by_the_machine_file(old, new, limit):
     assert old in OUTPUTS
     with pytest.raises(ConfigError, match=limit):
         machine(OUTPUTS.replace(old, new))
+
+
+JOINED = """[outputs.pair]
+pin = "D11"
+further_pins = ["!D6"]
+pwm = "software"
+pwm_hz = 100.0
+[fans.twin]
+pin = "D5"
+further_pins = ["D4"]
+number = 3
+"""
+
+
+def test_further_pins_switch_with_the_first_one():
+    text = shipped_text("i3").replace("[fans.part]", f"{JOINED}[fans.part]")
+    text = text.replace("[heaters.bed]", '[heaters.bed]\nfurther_pins = ["D44"]')
+    with Scenario(config.load_text(text)) as s:
+        s.passes(1)
+        s.host.ok("SET_PIN PIN=pair VALUE=0.5")
+        s.host.ok("M106 P3 S255")
+        s.host.ok("M140 S60")
+        assert s.until(lambda: s.board.output_value("outputs.pair") == FULL // 2, 1)
+        assert s.board.output_value("outputs.pair+1") == FULL - FULL // 2
+        fans = [s.board.output_value(name) for name in ("twin", "twin+1")]
+        assert fans[0] == fans[1] > 0
+        assert s.until(lambda: s.board.output_value("bed") > 0, 2)
+        assert s.board.output_value("bed+1") == s.board.output_value("bed")
+        s.host.send("M112")
+        s.host.expect("halted", 5)
+        assert [s.board.output_value(name) for name in ("bed", "bed+1", "twin", "twin+1")] == [
+            0
+        ] * 4
+
+
+def test_further_pin_of_another_board_is_refused():
+    pair = JOINED.replace('["!D6"]', '["!D6", "tool:PA1"]')
+    tool = '[boards.tool]\nbase = "klipper"\nclock_hz = 16_000_000\n'
+    with pytest.raises(ConfigError) as caught:
+        config.load_text(shipped_text("i3").replace("[fans.part]", f"{pair}[fans.part]") + tool)
+    limit = "expected a pin of the board of outputs.pair.pin, the main one"
+    assert any(limit in str(problem) for problem in caught.value.problems)

@@ -337,4 +337,9 @@ def heater_options(
         converter=sensor.converter,
         spi_oid=oids.spi_devices[sensor.spi] if sensor.spi else 0,
         clears_faults=sensor.clears_faults,
+        further=[
+            (oids.outputs[o.name], inverted(o.pin))
+            for o in board.outputs
+            if o.name in heater.further
+        ],
     )

@@ -312,7 +312,7 @@ class Connection(Exchange):
 
     def _unheated(self) -> list[Output]:
         """The outputs that are not heaters: no control loop renews them."""
-        heated = {h.output for h in self.board.heaters}
+        heated = {name for h in self.board.heaters for name in h.outputs}
         return [o for o in self.board.outputs if o.name not in heated]
 
     def _switch_off_loads(self) -> None:

@@ -165,21 +165,27 @@ class Accelerometer:
 
 @dataclass(frozen=True, slots=True)
 class Heater:
-    """A heating output and its sensor. `limits` are its protections. The protection against model
-    deviation needs the thermal `model`, unless `control` is model-predictive and has its own. `fan`
-    names the output that cools the heater, for the model. `arrival` defines when a target is
-    reached.
+    """A heating output and its sensor. The outputs `further` switch with `output`. `limits` are its
+    protections. The protection against model deviation needs the thermal `model`, unless `control`
+    is model-predictive and has its own. `fan` names the output that cools the heater, for the
+    model. `arrival` defines when a target is reached.
     """
 
     name: str
     output: str
     sensor: str
     control: Control
+    further: tuple[str, ...] = ()
     limits: _core.ProtectionLimits = field(default_factory=_core.ProtectionLimits)
     model: _core.HeatModel | None = None
     fan: str | None = None
     max_power: float = 1.0
     arrival: _core.Arrival = field(default_factory=_core.Arrival)
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """All outputs of the heater."""
+        return (self.output, *self.further)
 
 
 @dataclass(frozen=True, slots=True)
@@ -257,11 +263,11 @@ class BoardDescription:
         outputs = {o.name: o for o in self.outputs}
         sensors = {s.name for s in self.sensors}
         for heater in self.heaters:
-            if heater.output not in outputs or heater.sensor not in sensors:
+            if not outputs.keys() >= {*heater.outputs} or heater.sensor not in sensors:
                 raise ValueError(f"heater {heater.name}: its output or sensor is not described")
             if heater.fan is not None and heater.fan not in outputs:
                 raise ValueError(f"heater {heater.name}: its fan is not described")
-            if outputs[heater.output].max_duration_ticks <= 0:
+            if any(outputs[o].max_duration_ticks <= 0 for o in heater.outputs):
                 raise ValueError(f"heater {heater.name}: its output needs a maximum duration")
 
     @property

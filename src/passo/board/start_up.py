@@ -90,7 +90,7 @@ def add_parts(exchange: Exchange, move_count: int) -> None:
     for target, s in zip(exchange.board.stepper_targets, exchange.board.steppers, strict=True):
         turned = s.invert != inverted(s.dir_pin)
         exchange.link.add_stepper(target, s.name, exchange.oids.steppers[s.name], turned)
-    heated = {h.output for h in exchange.board.heaters}
+    heated = {name for h in exchange.board.heaters for name in h.outputs}
     for target, o in zip(exchange.board.output_targets, exchange.board.outputs, strict=True):
         kind = _core.PinKind.PWM if o.kind == "pwm" else _core.PinKind.DIGITAL
         full = full_scale(o, exchange.dictionary)

@@ -34,6 +34,8 @@ class Fan(Model):
 
     pin: Pin
     """The output. If not given, the output that the board has for such a fan."""
+    further_pins: Annotated[list[Pin], Field(max_length=8)] = []
+    """Further outputs of the same board, which switch together with `pin`."""
     number: Annotated[int, Field(ge=0, le=255)] = 0
     """P of M106 and M107."""
     min_power: Fraction = 0.0

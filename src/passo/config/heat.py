@@ -181,6 +181,8 @@ class Heater(Model):
     bed, M141 and M191 for a chamber."""
     pin: Pin
     """The output. If not given, the output that the board has for such a heater."""
+    further_pins: Annotated[list[Pin], Field(max_length=8)] = []
+    """Further outputs of the same board, which switch together with `pin`."""
     sensor_pin: Pin
     """The analog input of the sensor, or the chip select of a converter. If not given, the input
     that the board has."""

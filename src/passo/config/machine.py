@@ -31,7 +31,7 @@ from passo.config.motion import (
     Tool,
 )
 from passo.config.motor_roles import Drivable, Driven, axis_order
-from passo.config.outputs import Outputs, timed_name
+from passo.config.outputs import Outputs, further_name, timed_name
 from passo.config.pin_names import MAIN, placed
 from passo.config.predefined_moves import PredefinedMove
 from passo.config.probing import Levelling, Simulated
@@ -263,11 +263,26 @@ class MachineConfig(Model):
     @property
     def timed_outputs(self) -> dict[str, str]:
         """The names of the outputs on the timeline with their pins as written, in the order of
-        their numbers: heaters, fans, laser, then the other outputs as `timed_name`."""
+        their numbers: heaters, fans, laser, then the other outputs as `timed_name`, then all
+        further pins as `further_name`."""
         pins = {name: heater.pin for name, heater in self.heaters.items()}
         pins |= {self.fan_output(name): fan.pin for name, fan in self.fans.items()}
         pins |= {"laser": self.laser.pin} if self.laser else {}
-        return pins | {timed_name(name): output.pin for name, output in self.outputs.items()}
+        pins |= {timed_name(name): output.pin for name, output in self.outputs.items()}
+        return pins | {pin: at for further in self.further_pins.values() for pin, at in further}
+
+    @property
+    def further_pins(self) -> dict[str, list[tuple[str, str]]]:
+        """The further pins of each output on the timeline that has some: the name of each, as
+        `further_name`, and the pin as written."""
+        pins = {name: heater.further_pins for name, heater in self.heaters.items()}
+        pins |= {self.fan_output(name): fan.further_pins for name, fan in self.fans.items()}
+        pins |= {timed_name(name): output.further_pins for name, output in self.outputs.items()}
+        return {
+            name: [(further_name(name, i), pin) for i, pin in enumerate(written)]
+            for name, written in pins.items()
+            if written
+        }
 
     def fan_output(self, fan: str) -> str:
         """The name of a fan's output: that of the fan, unless a heater has the same name."""

@@ -14,6 +14,8 @@ class Output(Model):
 
     pin: Pin
     """The output."""
+    further_pins: Annotated[list[Pin], Field(max_length=8)] = []
+    """Further outputs of the same board, which switch together with `pin`."""
     pwm: Literal["none", "software", "hardware"] = "none"
     """Whether the output is only on or off, or is pulsed by the board's software or hardware."""
     pwm_hz: Annotated[float, Field(ge=0.1, le=100_000)] = 10.0
@@ -38,6 +40,19 @@ class Output(Model):
 
 
 Outputs = dict[PartName, Output]
+
+
+_FURTHER = "+"  # between the name of an output and the number of a further pin
+
+
+def further_name(output: str, index: int) -> str:
+    """The name of an output's further pin, the first of which has the index 0."""
+    return f"{output}{_FURTHER}{index + 1}"
+
+
+def first_name(output: str) -> str:
+    """The name of the output to which a further pin belongs; that of the output itself."""
+    return output.partition(_FURTHER)[0]
 
 
 def timed_name(output: str) -> str:

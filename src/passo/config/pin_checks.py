@@ -111,6 +111,8 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
         for name, content in tables(data, part):
             hardware: Need = "pwm" if content.get("pwm") == "hardware" else "digital"
             yield from _claim((part, name, "pin"), content.get("pin"), hardware)
+            for i, pin in enumerate(array(content, "further_pins")):
+                yield from _claim((part, name, "further_pins", i), pin, hardware)
             sensor = table(content, "sensor")
             need: Need = "select" if sensor.get("kind") in CONVERTERS else "analog"
             yield from _claim((part, name, "sensor_pin"), content.get("sensor_pin"), need)
@@ -171,6 +173,14 @@ def _check_parts(data: Raw) -> Iterator[Finding]:
         yield from _check_together(("steppers", name, "tmc"), {**tmc, "socket": first}, keys)
     keys = ("cs_pin", "spi_bus", *_WIRES, "i2c_bus", *_LINES)
     yield from _check_together(("accelerometer",), table(data, "accelerometer"), keys)
+    for kind in ("heaters", "fans", "outputs"):
+        for name, part in tables(data, kind):
+            board = placed(str(part.get("pin")))[0]
+            for i, pin in enumerate(array(part, "further_pins")):
+                if "pin" in part and isinstance(pin, str) and placed(pin)[0] != board:
+                    limit = f"a pin of the board of {kind}.{name}.pin, {board or 'the main one'}"
+                    path = (kind, name, "further_pins", i)
+                    yield Finding("config.conflict", path, pin, limit)
     fans = dict(tables(data, "fans"))
     for name, heater in tables(data, "heaters"):
         path = ("heaters", name)

@@ -45,7 +45,7 @@ _declare(
     ("BED_MESH_OFFSET", "The correction of the bed follows the nozzle of the tool in use (M218)."),
     ("G27 M125", "M25 and M601 park the head."),
     ("M111", "Passo has no debug levels; see passo serve --log."),
-    ("M142 M192", "Passo has no cooler."),
+    ("M192", "Passo does not wait for a cooler. M142 sets its temperature."),
     ("M150", "Passo has no coloured light."),
     ("M163 M164 M165 M166", "Passo has no mixing extruder."),
     ("M202", "M201 limits the axes in every move, M204 T all travel."),

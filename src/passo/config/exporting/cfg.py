@@ -4,6 +4,7 @@ contain."""
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -39,19 +40,26 @@ class Cfg:
         name = re.sub(r"^GP(\d+)$", r"gpio\1", name)  # of an RP2040
         return f"{marks}{board}:{name}" if board else f"{marks}{name}"
 
+    def output(self, name: str, pin: str, further: Sequence[str]) -> str:
+        """The pin of an output, or the [multi_pin] of this name for all its pins."""
+        if not further:
+            return self.pin(pin)
+        self.put(f"multi_pin {name}", pins=", ".join(map(self.pin, (pin, *further))))
+        return f"multi_pin:{name}"
+
     def text(self, head: str) -> str:
-        """The file: `head` as comments, then the sections: sensors come before the heaters that
-        name them, as Klipper requires."""
+        """The file: `head` as comments, then the sections: sensors and joined pins come before the
+        parts that name them, as Klipper requires."""
         lines = [f"# {line}".rstrip() for line in head.splitlines()]
-        later = {name: own for name, own in self.sections.items() if not _defines_sensor(name)}
-        first = {name: own for name, own in self.sections.items() if _defines_sensor(name)}
+        later = {name: own for name, own in self.sections.items() if not _comes_first(name)}
+        first = {name: own for name, own in self.sections.items() if _comes_first(name)}
         for section, options in {**first, **later}.items():
             lines += ["", f"[{section}]", *(f"{name}: {value}" for name, value in options.items())]
         return "\n".join(lines) + "\n"
 
 
-def _defines_sensor(section: str) -> bool:
-    return section.startswith("thermistor ")
+def _comes_first(section: str) -> bool:
+    return section.startswith(("thermistor ", "multi_pin "))
 
 
 def _text(value: str | float | int | bool) -> str:

@@ -39,7 +39,11 @@ def put_heat(cfg: Cfg) -> None:
 
 
 def _put_heater(cfg: Cfg, name: str, heater: Heater, section: str) -> None:
-    cfg.put(section, heater_pin=cfg.pin(heater.pin), sensor_pin=cfg.pin(heater.sensor_pin))
+    cfg.put(
+        section,
+        heater_pin=cfg.output(name, heater.pin, heater.further_pins),
+        sensor_pin=cfg.pin(heater.sensor_pin),
+    )
     put_sensor(cfg, "heaters", name, heater.sensor, section)
     control: Any = heater.control
     gains = [getattr(control, gain, None) for gain in ("kp", "ki", "kd")]
@@ -135,7 +139,7 @@ def _put_fans(cfg: Cfg, heaters: dict[str, str]) -> None:
             cfg.put(section, stepper=own, idle_timeout=int(fan.stays_on_s))
         cfg.put(
             section,
-            pin=cfg.pin(fan.pin),
+            pin=cfg.output(f"{name}-fan", fan.pin, fan.further_pins),
             max_power=fan.max_power if fan.max_power < 1 else None,
             off_below=fan.off_below or None,
             kick_start_time=fan.kick_start_s if section == "fan" else None,

@@ -40,7 +40,7 @@ def _put_output(cfg: Cfg, name: str, output: Output) -> None:
     pulsed = output.pwm != "none"
     cfg.put(
         f"output_pin {name}",
-        pin=cfg.pin(output.pin),
+        pin=cfg.output(f"{name}-output", output.pin, output.further_pins),
         pwm=pulsed,
         hardware_pwm=True if output.pwm == "hardware" else None,
         cycle_time=1 / output.pwm_hz if pulsed else None,

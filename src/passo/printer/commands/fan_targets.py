@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from passo.printer.wait_requests import Reply
 
 _MAX_C = 1200.0
+_COOLER = "cooler"
+_LACKS = "The machine file has no fan with a thermostat."
 
 
 class FanTargets:
@@ -37,10 +39,28 @@ class FanTargets:
         number("TARGET", "the temperature; 0: off", "°C", 0, _MAX_C, default=0),
         number("MIN_SPEED", "the least power", low=0, high=1),
         number("MAX_SPEED", "the largest power", low=0, high=1),
-        lacks="The machine file has no fan with a thermostat.",
+        lacks=_LACKS,
     )
     def _set(self, command: Command, _: Reply) -> None:
-        written = command.string("TEMPERATURE_FAN")
+        self._set_target(command, command.string("TEMPERATURE_FAN"))
+
+    @command(
+        "M142",
+        Subject.OUTPUTS,
+        When.PLANNED,
+        "Sets the temperature below which the cooler keeps its sensor; without S it is off. The"
+        " cooler is the fan of the name `cooler`, or the first one with a thermostat.",
+        number("S", "the temperature; 0: off", "°C", 0, _MAX_C, default=0),
+        lacks=_LACKS,
+    )
+    def _set_cooler(self, command: Command, reply: Reply) -> None:
+        name = found_name(self.targets_c, _COOLER) or next(iter(self.targets_c), None)
+        if name is None:
+            reply.no_part(command.code, _LACKS)
+        else:
+            self.targets_c[name] = command.value("S")
+
+    def _set_target(self, command: Command, written: str) -> None:
         name = found_name(self.targets_c, written)
         if name is None:
             limit = ", ".join(self.targets_c) or "none on this machine"

@@ -32,6 +32,10 @@ class Outputs:
         self._machine, self._job, self._plan = machine, job, plan
         names = machine.timed_outputs
         self._outputs = {name: (i, full_scale[i]) for i, name in enumerate(names)}
+        self._further = {
+            name: [self._outputs[pin][0] for pin, _ in pins]
+            for name, pins in machine.further_pins.items()
+        }
         self.fans: dict[str, float] = {}  # the last commanded speeds, 0 to 1
         # the last commanded values of the outputs that are not fixed, 0 to 1
         self.values = {n: o.start for n, o in machine.outputs.items() if not o.fixed}
@@ -52,11 +56,13 @@ class Outputs:
         follows."""
         index, full = self._outputs[output]
         value, stays = round(min(max(share, 0.0), 1.0) * full), True
-        if at_once:
-            stays = self._acts_at.get(output, -inf) <= self._plan.record_at_once(index, value)
-        else:
+        if not at_once:
             self._acts_at[output] = self._job.clock + self._job.plan.queued_ticks
-            self._job.outputs.record(index, value)
+        for pin in (index, *self._further.get(output, ())):
+            if at_once:
+                stays = self._acts_at.get(output, -inf) <= self._plan.record_at_once(pin, value)
+            else:
+                self._job.outputs.record(pin, value)
         return stays
 
     def set_fan(self, name: str, share: float, *, at_once: bool = False) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from passo.board.description import Kick, Output, bare
-from passo.config.outputs import timed_name
+from passo.config.outputs import first_name, timed_name
 from passo.config.pin_names import named_on, placed
 from passo.config.probing import SERVO, SERVO_CYCLE_S
 from passo.printer.commands.beeper import most_ticks
@@ -42,13 +42,13 @@ def outputs_of(machine: MachineConfig) -> list[tuple[str, str]]:
 
 def output_of(machine: MachineConfig, name: str, written: str, clock_hz: int) -> Output:
     """The description of an output by its name and its pin as written."""
-    pin = machine.pin(written)
+    pin, own = machine.pin(written), first_name(name)
     longest = round(MAX_DURATION_S * clock_hz)
-    if name in machine.heaters:
-        cycle = round(clock_hz / machine.heaters[name].pwm_hz)
+    if own in machine.heaters:
+        cycle = round(clock_hz / machine.heaters[own].pwm_hz)
         return Output(name, pin, "digital", cycle, longest)
-    fans = {machine.fan_output(own): fan for own, fan in machine.fans.items()}
-    if (fan := fans.get(name)) is not None:
+    fans = {machine.fan_output(fan): part for fan, part in machine.fans.items()}
+    if (fan := fans.get(own)) is not None:
         ticks = round(fan.kick_start_s * clock_hz)
         kick = Kick(ticks, fan.max_power, fan.kick_start_rise) if ticks > 0 else None
         return Output(name, pin, "digital", round(clock_hz / fan.pwm_hz), kick=kick)
@@ -61,7 +61,7 @@ def output_of(machine: MachineConfig, name: str, written: str, clock_hz: int) ->
         return Output(name, pin, "digital", round(clock_hz * SERVO_CYCLE_S))
     if name.startswith("status-led"):
         return Output(name, pin, cycle_ticks=clock_hz, blinks=True)
-    free = {timed_name(own): output for own, output in machine.outputs.items()}.get(name)
+    free = {timed_name(part): output for part, output in machine.outputs.items()}.get(own)
     return Output(name, pin, "digital") if free is None else _free(name, pin, free, clock_hz)
 
 

@@ -93,6 +93,7 @@ def _heater(machine: MachineConfig, name: str, heater: HeaterConfig) -> Heater:
     return Heater(
         name,
         output=name,
+        further=tuple(pin for pin, _ in machine.further_pins.get(name, ())),
         sensor=name,
         control=control_of(heater),
         limits=limits_of(heater),

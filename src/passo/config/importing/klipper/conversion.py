@@ -163,7 +163,7 @@ def _value(pins: Pins, section: Section, option: str, unit: str) -> Value | None
             if pin is None:
                 limit = "a pin of a board"
                 if written.startswith(JOINED):
-                    limit = "one pin of a board: Passo does not switch several outputs together"
+                    limit = "a pin of a board, or a [multi_pin] of this file"
                 raise section.wrong(option, limit)
             return pin
         case "samples":

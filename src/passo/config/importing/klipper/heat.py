@@ -13,7 +13,7 @@ from passo.config.sensor_names import values_of
 from passo.config.thermistor import ZERO_C, Ntc
 
 if TYPE_CHECKING:
-    from passo.config.importing.draft import KeyPath
+    from passo.config.importing.draft import KeyPath, Value
     from passo.config.importing.klipper.conversion import Import
 
 _PT100_AMPLIFIER, _FULL_SCALE_V = "PT100 INA826", 5.0
@@ -59,6 +59,8 @@ def _put_heater(job: Import, section: Section) -> None:
     if chamber:
         job.draft.changed(section.place, f"[{section.name}]", "M141 and M191 set it, as a chamber")
     job.put("heater", section, name=name)
+    further: list[Value] = [*job.pins.others_of(section, "heater_pin")]
+    job.put_value((*path, "further_pins"), section, "heater_pin", further or None)
     put_sensor(job, section, path)
     control = section.text("control")
     kind = "bang-bang" if control == "watermark" else "pid"
@@ -178,6 +180,8 @@ def _put_fan(job: Import, section: Section, path: KeyPath) -> None:
         return
     name = path[1]
     job.put("fan", section, name=name)
+    further: list[Value] = [*job.pins.others_of(section, "pin")]
+    job.put_value((*path, "further_pins"), section, "pin", further or None)
     power, option = section.number("max_power", 1.0) or 1.0, "max_power"
     if kind in ("heater_fan", "controller_fan") and "fan_speed" in section.options:
         power, option = power * (section.number("fan_speed") or 1.0), "fan_speed"

@@ -29,6 +29,11 @@ def _put_macro(job: Import, section: Section) -> None:
     job.used.add(section.name)
     written, put = section.rest, job.draft.put
     name = written.upper()
+    if name == "M300" and ("beeper", "pin") in job.draft.keys:
+        text = "the beeper of the machine file sounds at M300 without a macro"
+        job.draft.changed(section.place, f"[{section.name}]", text)
+        section.used.update(section.options)
+        return
     if not re.fullmatch(COMMAND, written) or name in KEPT:
         text = f"a macro of Passo cannot have the name {written}"
         job.draft.dropped(section.place, f"[{section.name}]", text)

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 from passo.config.importing.draft import UNKNOWN_SENSOR
 from passo.config.importing.klipper.cfg import Option, Section
 from passo.config.importing.klipper.heat import put_sensor
+from passo.config.importing.klipper.pins import JOINED
 from passo.config.part_names import part_name
 
 if TYPE_CHECKING:
-    from passo.config.importing.draft import KeyPath
+    from passo.config.importing.draft import KeyPath, Value
     from passo.config.importing.klipper.conversion import Import
 
 _PINS = ("output_pin", "pwm_tool", "pwm_cycle_time")
@@ -19,6 +20,7 @@ _USES = {
     "light": re.compile(r"light|lamp|^leds?$|case_?led", re.IGNORECASE),
     "camera": re.compile(r"camera|shutter", re.IGNORECASE),
 }
+_BEEPER, _BEEPER_PIN = re.compile(r"beep|buzz", re.IGNORECASE), ("beeper", "pin")
 _HOST, _CHIP = "temperature_host", "temperature_mcu"
 # A sensor with limits within these halts the printer, as in Klipper; wider limits are none.
 _NO_LOW_C, _NO_HIGH_C = -100.0, 200.0
@@ -30,6 +32,12 @@ def put_outputs(job: Import) -> None:
     used: set[str] = set()
     uses: set[str] = set()
     for section in job.config.sections.values():
+        if (
+            section.kind == "output_pin"
+            and _BEEPER.search(section.rest)
+            and _put_beeper(job, section)
+        ):
+            continue
         if section.kind in _PINS:
             name = _free(part_name(section.rest), used)
             job.part(section, lambda job, section, name=name: _put_output(job, section, name, uses))
@@ -51,6 +59,19 @@ def put_outputs(job: Import) -> None:
     for section in job.config.of("temperature_sensor"):
         name = _free(part_name(section.rest), taken)
         job.part(section, lambda job, section, name=name: _put_shown(job, section, name))
+    job.used.update(section.name for section in job.config.of(JOINED) if section.used)
+
+
+def _put_beeper(job: Import, section: Section) -> bool:
+    """Makes an output the beeper of M300, if the machine has none yet."""
+    pin = job.pins.of(section, "pin")
+    if pin is None or _BEEPER_PIN in job.draft.keys:
+        return False
+    job.draft.put(_BEEPER_PIN, pin, section.at("pin"))
+    text = "it is the beeper, which M300 sounds; SET_PIN only keeps its value for macros"
+    job.draft.changed(section.place, f"[{section.name}]", text)
+    job.leave_out(section)
+    return True
 
 
 def _put_by_number(job: Import, section: Section, name: str) -> None:
@@ -77,6 +98,8 @@ def _put_output(job: Import, section: Section, name: str, uses: set[str]) -> Non
         _leave_out(job, section)
         return
     job.put("output_pin", section, name=name)
+    further: list[Value] = [*job.pins.others_of(section, "pin")]
+    put((*path, "further_pins"), section, "pin", further or None)
     hardware = section.flag("hardware_pwm", default=False)
     if section.kind != "output_pin" or section.flag("pwm", default=False):
         put((*path, "pwm"), section, "pwm", "hardware" if hardware else "software")

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import re
+from string import digits
 from typing import TYPE_CHECKING
 
 from passo.config.importing.draft import bad
 from passo.config.importing.klipper.cfg import Config, Option, Section
 from passo.config.part_names import part_name
-from passo.config.pin_names import bare, named_on
+from passo.config.pin_names import bare, named_on, placed
 
 if TYPE_CHECKING:
     from passo.config.importing.draft import Draft
 
 MAIN = "mcu"
 JOINED = "multi_pin"  # in place of a board: several outputs under one name
+# The outputs that may have several pins.
+_JOINABLE = (
+    *("extruder", "heater_bed", "heater_generic", "output_pin", "pwm_tool", "pwm_cycle_time"),
+    *("fan", "heater_fan", "controller_fan", "fan_generic", "temperature_fan"),
+)
 _ALIAS = re.compile(r"\s*([^\s=,]+)\s*=\s*([^\s,]+)\s*")
 _WORD = re.compile(r"[A-Za-z][A-Za-z0-9_./-]*")
 
@@ -23,7 +29,7 @@ class Pins:
     """The boards and pins of a configuration."""
 
     def __init__(self, config: Config, draft: Draft) -> None:
-        self._draft = draft
+        self._config, self._draft = config, draft
         self._boards = {MAIN: ""}
         self._aliases: dict[tuple[str, str], str] = {}
         for section in config.of(MAIN):
@@ -47,7 +53,34 @@ class Pins:
         option. An option that does not name a pin of a board is reported, and gives None. Raises
         ConfigError."""
         found = section.option(name)
-        return None if found is None else self.pin(section, name, found)
+        if found is None:
+            return None
+        joined = self._joined(section, found)
+        return self.pin(section, name, joined[0] if joined else found)
+
+    def others_of(self, section: Section, name: str) -> list[str]:
+        """The pins of a [multi_pin] after the first one, which `of` returns; empty for an option
+        that names one pin. Raises ConfigError for pins of several boards."""
+        found = section.option(name)
+        pins = [self.pin(section, name, one) for one in self._joined(section, found)[1:]]
+        further = [pin for pin in pins if pin is not None]
+        boards = {placed(pin)[0] for pin in (self.of(section, name), *further) if pin is not None}
+        if len(boards) > 1:
+            raise section.wrong(name, "pins of one board")
+        return further
+
+    def _joined(self, section: Section, found: Option | None) -> list[Option]:
+        """The pins of the [multi_pin] that an output's option names; empty if it names none."""
+        if found is None or section.kind.rstrip(digits) not in _JOINABLE:
+            return []
+        board, _, name = bare(written := found.text.replace(" ", "")).partition(":")
+        joined = self._config.get(f"{JOINED} {name}") if board == JOINED else None
+        if joined is None:
+            return []
+        marks = written[: len(written) - len(bare(written))]
+        place = joined.at("pins")
+        pins = [pin.strip() for pin in joined.text("pins").split(",")]
+        return [Option(marks + pin, place) for pin in pins if pin]
 
     def pin(self, section: Section, name: str, found: Option) -> str | None:
         """Like `of`, for an option that was found."""
@@ -60,7 +93,9 @@ class Pins:
         if board not in self._boards:
             text = f"{found.text} is a pin of {board}, which is not a board that Passo drives"
             if board == JOINED:
-                text = "Passo does not switch several outputs together"
+                text = "only heaters, fans and outputs have the pins of a [multi_pin]"
+                if self._config.get(f"{JOINED} {rest}") is None:
+                    text = f"there is no [{JOINED} {rest}]"
             self._draft.dropped(found.place, f"[{section.name}] {name}", text)
             return None
         pin = self._aliases.get((board, rest), rest)
