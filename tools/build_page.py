@@ -20,16 +20,18 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 SOURCES = ROOT / "web-ui"
+DRAW = ROOT / "src/passo/learn/draw"
 BUILT = ROOT / "src/passo/web/static"
 LOCK = ROOT / "requirements/web.lock"
 NODE_VERSION = (22, 12)  # at least: Vite 8 needs it
 COMPRESSIBLE = {".css", ".html", ".js", ".json", ".svg", ".txt"}
-BUNDLED = ("svelte", "clsx", "esm-env", "three", "uplot", "@fontsource-variable/inter")
+BUNDLED = ("svelte", "clsx", "esm-env", "three", "@fontsource-variable/inter")
 
 
 def main(arguments: list[str]) -> int:
     stamp = BUILT / ".sources"
-    wanted = _hash(p for p in SOURCES.rglob("*") if p.is_file() and _is_source(p))
+    sources = [p for p in SOURCES.rglob("*") if p.is_file() and _is_source(p)]
+    wanted = _hash([*sources, *DRAW.iterdir()])
     stale = not stamp.exists() or stamp.read_text() != wanted
     if not (stale or arguments):
         return 0
@@ -66,7 +68,7 @@ def _is_source(path: Path) -> bool:
 def _hash(paths: Iterable[Path]) -> str:
     digest = hashlib.sha256()
     for path in sorted(paths):
-        digest.update(f"{path.relative_to(SOURCES)}\0".encode())
+        digest.update(f"{path.relative_to(ROOT)}\0".encode())
         digest.update(hashlib.sha256(path.read_bytes()).digest())
     return digest.hexdigest()
 

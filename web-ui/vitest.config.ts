@@ -1,5 +1,6 @@
 import { svelte } from "@sveltejs/vite-plugin-svelte";
 import { defineConfig } from "vitest/config";
+import { DRAW } from "./vite.config.ts";
 
 export default defineConfig({
   test: {
@@ -16,6 +17,7 @@ export default defineConfig({
       })),
       {
         plugins: [svelte()],
+        resolve: { alias: { $draw: DRAW } },
         test: { name: "unit", include: ["src/**/*.test.ts"], environment: "node" },
       },
       {

@@ -1,20 +1,19 @@
-"""Reports as tests read them: the HTML, and the numbers from which its script draws."""
+"""Written pages as tests read them: the data that their scripts draw."""
 
 from __future__ import annotations
 
 import json
+import re
 import sys
 from array import array
 from base64 import b64decode
 from dataclasses import dataclass, field
-from html.parser import HTMLParser
+from html import unescape
 from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
 from passo.cli.main import main
-
-_VOID = {"meta", "br", "input", "link", "img"}
 
 
 def unpacked(text: str, kind: str) -> list[Any]:
@@ -51,79 +50,32 @@ class Curve:
         return max([v for _, v in self.corners] or [high for _, high, _ in self.columns.values()])
 
 
-@dataclass
-class Tag:
-    name: str
-    attributes: dict[str, str | None]
-    text: str = ""
-
-
-class _Reader(HTMLParser):
-    def __init__(self) -> None:
-        super().__init__()
-        self.tags, self.open = list[Tag](), list[Tag]()
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.append(Tag(tag, dict(attrs)))
-        if tag not in _VOID:
-            self.open.append(self.tags[-1])
-
-    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.append(Tag(tag, dict(attrs)))
-
-    def handle_endtag(self, tag: str) -> None:
-        assert self.open.pop().name == tag
-
-    def handle_data(self, data: str) -> None:
-        for tag in self.open:
-            tag.text += data
-
-
 class Page:
-    """A report that `passo report` has written."""
+    """A page that `passo report` or `passo lab` has written. A chart is named by the first word of
+    its title."""
 
     def __init__(self, text: str) -> None:
         self.text = text
-        reader = _Reader()
-        reader.feed(text)
-        assert reader.open == []  # every element is closed
-        self.tags = reader.tags
-        script = next(t for t in self.tags if t.attributes.get("id") == "data")
-        self.data: dict[str, Any] = json.loads(script.text)
+        (data,) = re.findall(r'<script type="application/json" id="data">(.*?)</script>', text)
+        self.data: dict[str, Any] = json.loads(data)
+        (self.title,) = map(unescape, re.findall("<h1>(.*?)</h1>", text, re.DOTALL))
 
-    def all(self, name: str, kind: str = "") -> list[Tag]:
-        """Elements of a name, and of a class if that is given."""
-        return [
-            tag
-            for tag in self.tags
-            if tag.name == name
-            and (not kind or kind in (tag.attributes.get("class") or "").split())
-        ]
+    def charts(self) -> list[str]:
+        return [chart["title"].split()[0] for chart in self.data["charts"]]
 
-    def titles(self) -> list[str]:
-        return [tag.text for tag in self.all("h2")]
+    def chart(self, name: str) -> dict[str, Any]:
+        return self.data["charts"][self.charts().index(name)]
 
     def names(self, chart: str) -> list[str]:
         """The legend of a chart."""
-        index = [c["key"] for c in self.data["charts"]].index(chart)
-        section = self.all("section", "chart")[index].text
-        legend = section.strip().splitlines()[1]
-        return legend.split()
+        return [curve["name"] for curve in self.chart(chart)["curves"]]
 
     def curves(self, chart: str) -> list[Curve]:
-        return next(
-            [Curve.of(curve) for curve in found["curves"]]
-            for found in self.data["charts"]
-            if found["key"] == chart
-        )
-
-    def charts(self) -> list[str]:
-        return [chart["key"] for chart in self.data["charts"]]
+        return [Curve.of(curve["series"]) for curve in self.chart(chart)["curves"]]
 
     def result(self) -> dict[str, str]:
         """The rows of the table."""
-        cells = [tag.text for tag in self.tags if tag.name in ("th", "td")]
-        return dict(zip(cells[::2], cells[1::2], strict=False))
+        return dict(self.data["result"])
 
 
 def report(path: Path, *words: str, status: int = 0) -> Page:

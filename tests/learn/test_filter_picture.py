@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import pytest
 from tests.learn.pages import report
 from tests.oracles import filters as oracle
@@ -148,19 +146,23 @@ def test_page_shows_the_peaks_of_plan_and_filters(tmp_path):
     path, machine = tmp_path / "a.gcode", tmp_path / "m.toml"
     path.write_text(CORNER)
     machine.write_text(text_of(MZV, "advance_s = 0.05\nadvance_smooth_s = 0.04"))
-    (shown,) = report(path, "--machine", str(machine)).all("section", "filters")
-    assert shown.text.strip().startswith(
-        "What the filters do: the fastest corner, line 6, X60.0 Y20.0"
-    )
-    peaks = re.findall(r"(\S* ?planned|\S* ?executed), peak ([\d.,]+)", shown.text)
-    assert [name.strip() for name, _ in peaks] == [
-        *2 * ["X planned", "X executed", "Y planned", "Y executed"],
-        "planned",
-        "executed",
+    shown = report(path, "--machine", str(machine)).data["filters"]
+    assert shown["title"] == "What the filters do: the fastest corner, line 6, X60.0 Y20.0"
+    names = [[curve["name"] for curve in chart["curves"]] for chart in shown["charts"]]
+    peaks = [[name.partition(", peak ") for name in chart] for chart in names]
+    axes = ["X planned", "X executed", "Y planned", "Y executed"]
+    assert [[name for name, _, _ in chart] for chart in peaks] == [
+        axes,
+        axes,
+        ["planned", "executed"],
     ]
+    assert peaks[0][0][2] == "100"
+    before_ms, after_ms = shown["columns_ms"]
+    assert before_ms < 0 < after_ms
+    assert after_ms - before_ms == pytest.approx(1e3 * shown["took_s"])
 
 
 def test_page_without_filters_does_not_show_them(tmp_path):
     path = tmp_path / "a.gcode"
     path.write_text(CORNER)
-    assert report(path).all("section", "filters") == []
+    assert report(path).data["filters"] is None

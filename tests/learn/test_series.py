@@ -74,21 +74,12 @@ def test_memory_does_not_grow_with_the_length(monkeypatch):
     assert sizes[1] < 1.3 * sizes[0] < 2000
 
 
-def test_unknown_values_are_left_out():
+def test_time_before_the_first_value_has_no_columns(monkeypatch):
+    monkeypatch.setattr(rooms, "MAX_CORNERS", 4)
     series = Series()
-    series.add(5, 20, 10, 30)
-    assert series.bands(10, 10) == [
-        (5, 6, 20, 22, 21),
-        (6, 7, 22, 24, 23),
-        (7, 8, 24, 26, 25),
-        (8, 9, 26, 28, 27),
-        (9, 10, 28, 30, 29),
-    ]
+    for second in range(5, 10):
+        series.add(second, 20 * second, second + 1, 0)
+    curve = Curve.of(series.encoded())
+    assert min(curve.columns) * curve.width_s == pytest.approx(5, abs=curve.width_s)
     assert not Series()
     assert Series().range() == (0, 0)
-
-
-def test_bands_end_where_the_picture_ends():
-    series = Series()
-    series.add(0, 0, 10, 10)
-    assert series.bands(5, 2) == [(0, 2.5, 0, 2.5, 1.25), (2.5, 5, 2.5, 5, 3.75)]

@@ -79,13 +79,4 @@ def test_without_extrusion_all_moves_are_coloured():
     path = Toolpath(BED)
     path.add(Line(0, 0, 0, 10, 0, 100, False), 0, 0, 1)
     assert unpacked(path.data()["colours"], "B") == [COLOURS]
-    assert "nothing is extruded" in path.html()
-
-
-def test_the_static_picture_of_a_large_layer_is_bounded(monkeypatch):
-    monkeypatch.setattr(toolpath, "MAX_STATIC_LINES", 300)
-    path = Toolpath(BED)
-    for line in circle(5000):
-        path.add(line, 0.2, 0, 1)
-    assert len(path.lines) == 5000
-    assert 100 < path.html().count("L") - path.html().count("Layer") <= 301
+    assert path.data()["prints"] is False

@@ -1,7 +1,8 @@
 import { mount } from "svelte";
 import "./styles/fonts.css";
-import "./styles/tokens.css";
+import "$draw/tokens.css";
 import "./styles/base.css";
+import "$draw/draw.css";
 import App from "./App.svelte";
 
 const target = document.getElementById("page");

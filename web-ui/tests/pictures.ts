@@ -52,7 +52,7 @@ test("the first layer on a bed that is not corrected", async ({ browser }) => {
   execFileSync(PYTHON, ["-m", "passo", "report", job, "--machine", "i3-probe", "--output", report]);
   const page = await browser.newPage({ viewport: { width: 900, height: 900 } });
   await page.goto(`file://${report}`);
-  await page.locator("section.picture").screenshot({ path: join(IMAGES, "first-layer.png") });
+  await page.locator("section.bed").screenshot({ path: join(IMAGES, "first-layer.png") });
   await page.close();
   rmSync(folder, { recursive: true });
 });

@@ -17,7 +17,7 @@ from passo.learn.chart import Chart, Curve
 from passo.learn.collector import Collector, HeaterSeries, Rates, of_actuator, of_axis
 from passo.learn.filter_picture import filter_picture
 from passo.learn.labels import duration
-from passo.learn.page import bars, page, problems, side_by_side, table, zoom_bar
+from passo.learn.page import page
 from passo.learn.toolpath import Toolpath
 from passo.motion.axis_slots import slot_of_axis
 
@@ -63,7 +63,9 @@ def write_report(
         job.job.flush()  # plans the moves before the failed line
     collector.take(job.job.results.take_moves())
     filters = filter_picture(job.job)
-    text = _page(collector, job.job.results.statistics(), result, failed, job.first_layer, filters)
+    data = _data(collector, job.job.results.statistics(), result, failed, job.first_layer, filters)
+    name = os.fsencode(Path(result.file).name).decode("utf-8", "backslashreplace")
+    text = page(f"{name} on {result.machine}", "report", data)
     with replaced(output) as temporary:
         temporary.write_text(text, encoding="utf-8")
     try:
@@ -90,48 +92,30 @@ def _motors(machine: MachineConfig) -> dict[str, Rates]:
     return motors
 
 
-def _page(
+def _data(
     collector: Collector,
     plan: Mapping[str, Any],
     result: PrintResult,
     failed: PassoError | None,
     first_layer: FirstLayerWatch | None,
-    filters: str,
-) -> str:
+    filters: dict[str, object] | None,
+) -> dict[str, object]:
+    """What `draw/report.js` draws."""
     end_s = max(collector.planned_s, result.print_time_s) or collector.looked_s
     collector.finish(end_s)
-    name = os.fsencode(Path(result.file).name).decode("utf-8", "backslashreplace")
-    sections = list[str]()
-    if failed is not None:
-        texts = [str(problem) for problem in failed.problems]
-        sections.append(problems("The print stopped", texts))
-    charts = _charts(collector) if end_s > 0 else []
-    path = collector.path
-    drawn = bool(path.lines)
-    side = list[str]()
-    if failed is None:
-        side.append(table("Result", _summary(result)))
-    if first_layer is not None and (drawn_layer := bed_picture(first_layer)):
-        side.append(drawn_layer)
-    if limits := _shares(plan["limit_s"]):
-        side.append(bars("What limits the speed: seconds by limit", limits))
-    sections.append(side_by_side(path.html() if drawn else "", side))
-    if charts:
-        sections.append(zoom_bar())
-        sections += [chart.html(end_s) for chart in charts]
-        if width_s := collector.speed.width_s:
-            sections.append(_note(width_s))
-    sections.append(filters)
-    if len(features := _shares(plan["feature_s"])) > 1:  # the slicer has named features
-        sections.append(bars("Time by feature", features))
-    data = {
+    return {
+        "problems": [str(problem) for problem in failed.problems] if failed else [],
+        "result": [] if failed else _summary(result),
+        "first_layer": bed_picture(first_layer),
+        "limits": _shares(plan["limit_s"]),
+        "features": _shares(plan["feature_s"]),
         "end_s": end_s,
         "finest_s": collector.speed.width_s,
-        "charts": [chart.data() for chart in charts],
+        "charts": [chart.data() for chart in _charts(collector)] if end_s > 0 else [],
         "line": collector.line.encoded() if collector.line else None,
-        "path": path.data() if drawn else None,
+        "path": collector.path.data() if collector.path.lines else None,
+        "filters": filters,
     }
-    return page(f"{name} on {result.machine}", sections, data)
 
 
 def _charts(collector: Collector) -> list[Chart]:
@@ -139,12 +123,11 @@ def _charts(collector: Collector) -> list[Chart]:
     charts = list[Chart]()
     if any(collector.speed.range()):
         charts += [
-            Chart("speed", "Speed along the path", "mm/s", [Curve("speed", collector.speed, 0)]),
+            Chart("Speed along the path", "mm/s", [Curve("speed", collector.speed, 1)]),
             Chart(
-                "acceleration",
                 "Acceleration along the path; braking is negative",
                 "mm/s\N{SUPERSCRIPT TWO}",
-                [Curve("acceleration", collector.acceleration, 1)],
+                [Curve("acceleration", collector.acceleration, 0)],
             ),
         ]
     heaters = {name: heater for name, heater in collector.heaters.items() if heater.celsius}
@@ -152,36 +135,29 @@ def _charts(collector: Collector) -> list[Chart]:
         charts += _heat_charts(heaters)
     if any(any(rate.range()) for rate in collector.rates.values()):
         rates = [Curve(n, r, i % _COLOURS) for i, (n, r) in enumerate(collector.rates.items())]
-        charts.append(Chart("rates", "Step rate of each motor", "steps/s", rates))
+        charts.append(Chart("Step rate of each motor", "steps/s", rates))
     return charts
 
 
 def _heat_charts(heaters: Mapping[str, HeaterSeries]) -> list[Chart]:
     celsius, power = list[Curve](), list[Curve]()
     for i, (name, heater) in enumerate(heaters.items()):
-        colour = (i + 1) % _COLOURS
+        colour = i % _COLOURS
         celsius.append(Curve(name, heater.celsius, colour))
         if any(heater.target.range()):
             celsius.append(Curve(f"{name} target", heater.target, colour, dashed=True))
         power.append(Curve(name, heater.power, colour))
     unit = "\N{DEGREE SIGN}C"
-    charts = [Chart("temperature", "Temperature and target of each heater", unit, celsius)]
+    charts = [Chart("Temperature and target of each heater", unit, celsius)]
     if any(any(curve.series.range()) for curve in power):
-        charts.append(Chart("power", "Power of each heater", "% of full power", power))
+        charts.append(Chart("Power of each heater", "% of full power", power))
     return charts
 
 
-def _note(width_s: float) -> str:
-    return (
-        f'<p class="note">The charts of moves have columns of {width_s:g} s: the line is the mean'
-        " within each, the band reaches from the lowest to the highest value.</p>\n"
-    )
-
-
-def _shares(parts: Mapping[str, float]) -> list[tuple[str, str, float]]:
+def _shares(parts: Mapping[str, float]) -> list[dict[str, object]]:
     total = sum(parts.values())
     return [
-        (name, duration(seconds), seconds / total)
+        {"name": name, "text": duration(seconds), "share": seconds / total}
         for name, seconds in sorted(parts.items(), key=lambda part: -part[1])
         if total > 0 and seconds / total >= _MIN_SHARE
     ]

@@ -13,8 +13,6 @@ MAX_COLUMNS = 16_384
 _EMPTY = -32_768  # 16-bit mark of a column without values
 _LARGEST = 32_767
 
-Band = tuple[float, float, float, float, float]  # start s, end s, lowest, highest, mean
-
 
 class Columns:
     """Columns of equal width from time 0 on, each with the range and the integral of a quantity."""
@@ -126,20 +124,6 @@ class Series:
     def hold(self, end_s: float) -> None:
         """Extends the last value to `end_s`."""
         self.add(self.end_s, self._last, end_s, self._last)
-
-    def bands(self, end_s: float, most: int) -> list[Band]:
-        """At most `most` columns from 0 to `end_s` with their known values."""
-        width_s = end_s / most
-        if self.columns is None:
-            columns = self._columns(width_s, end_s)
-        else:
-            columns = self.columns.joined(max(width_s, self.columns.width_s))
-        width_s = columns.width_s
-        return [
-            (i * width_s, min((i + 1) * width_s, end_s), low, high, area / span_s)
-            for i, low, high, area, span_s in columns.known()
-            if i * width_s < end_s
-        ]
 
     def range(self) -> tuple[float, float]:
         """The minimum and the maximum; 0 and 0 for an empty series."""

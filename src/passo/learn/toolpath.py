@@ -1,5 +1,4 @@
-"""The path of a print, layer by layer, coloured by speed, as SVG. Without scripts it shows one
-layer; `page.js` shows any layer, and zooms."""
+"""The path of a print, layer by layer, with a colour for its speed, as data for `draw/path.js`."""
 
 from __future__ import annotations
 
@@ -8,18 +7,14 @@ from array import array
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from passo.learn.labels import label, round_step, ticks
 from passo.learn.series import packed
 
 MAX_LINES = 120_000
-MAX_STATIC_LINES = 20_000
 COLOURS = 12  # number of colours for speeds
 _ASPECT = 4 / 3  # width by height of the picture
 _GRID = 65_535  # coordinates are in units of the longest side divided by this number
 _FINEST_MM, _COARSEST_MM = 0.005, 1.0  # maximum error of joined lines
 _FEWER = 0.9  # joining is repeated while it reduces the lines to this fraction
-_THREAD_MM = 0.4  # width of extruded lines in the picture
-_PIXELS = 700.0  # width of the picture in pixels; a line is at least one pixel wide
 
 Box = tuple[float, float, float, float]  # x and y from, x and y to, mm
 
@@ -101,7 +96,7 @@ class Toolpath:
 
     @property
     def shown(self) -> int:
-        """The layer of the picture without scripts: the middle one."""
+        """The layer that is shown first: the middle one."""
         return min(self.top, max(1, round(self.top / 2)))
 
     def data(self) -> dict[str, object]:
@@ -132,62 +127,11 @@ class Toolpath:
             "colours": packed(colours),
             "layers": layers[::-1],
             "layer": self.shown,
+            "fastest": fastest,
+            "prints": by_print,
             "view": self._view(),
             "bed": self.bed,
         }
-
-    def html(self) -> str:
-        """The section of the page."""
-        x0, y0, x1, y1 = self._view()
-        wide, high = x1 - x0, y1 - y0
-        rows = {colour: list[str]() for colour in range(COLOURS + 1)}
-        fastest, by_print = self._fastest(), self._prints()
-        number = self.shown
-        shown = [line for line in self.lines if line.layer == number]
-        shown, _, _ = reduced(shown, MAX_STATIC_LINES, _FINEST_MM)
-        for line in shown:
-            a, b = f"{line.x0:.2f} {line.y0:.2f}", f"{line.x1:.2f} {line.y1:.2f}"
-            rows[_colour(line, fastest, by_print)].append(f"M{a}L{b}")
-        thread = max(_THREAD_MM, wide / _PIXELS)
-        paths = "".join(
-            f'<path class="s{colour}" d="{"".join(parts)}"/>' for colour, parts in rows.items()
-        )
-        step = round_step(wide, 6)
-        xs, ys = ticks(x0, x1, step), ticks(y0, y1, step)
-        grid = "".join(f"M{x:g} {y0:g}V{y1:g}" for x in xs) + "".join(
-            f"M{x0:g} {y:g}H{x1:g}" for y in ys
-        )
-        left = "".join(
-            f'<span style="top:{100 * (y1 - y) / high:.2f}%">{label(y, step)}</span>' for y in ys
-        )
-        below = "".join(
-            f'<span style="left:{100 * (x - x0) / wide:.2f}%">{label(x, step)}</span>' for x in xs
-        )
-        bx0, by0, bx1, by1 = self.bed
-        colour_of = "extruding" if by_print else "all moves: nothing is extruded"
-        scale = "".join(f'<i class="s{colour}"></i>' for colour in range(1, COLOURS + 1))
-        travel = '<span class="k"><i class="line travel"></i>travel</span>' if by_print else ""
-        return f"""<section class="path">
-<h2>Toolpath{self._name()}</h2>
-<p class="legend"><span class="scale">0 {scale} {fastest:.0f} mm/s</span> {colour_of} {travel}</p>
-<div class="axis"><span>Y, mm</span></div>
-<div class="plot" role="img" aria-label="Toolpath of one layer from above, X and Y in mm, \
-coloured by speed">
-<svg viewBox="{x0:g} {-y1:g} {wide:g} {high:g}" preserveAspectRatio="none" aria-hidden="true">\
-<g transform="scale(1,-1)"><path class="grid" d="{grid}"/>\
-<path class="bed" d="M{bx0:g} {by0:g}H{bx1:g}V{by1:g}H{bx0:g}z"/>\
-<g class="lines" stroke-width="{thread:.3g}">{paths}</g></g></svg>
-<div class="y">{left}</div><div class="x">{below}</div>
-</div>
-<div class="under">X, mm</div>
-</section>
-"""
-
-    def _name(self) -> str:
-        if not self.top:
-            return ""
-        z_mm = self.layers[self.shown].z_mm if self.shown in self.layers else 0.0
-        return f': <span class="which">layer {self.shown} of {self.top}, Z {z_mm:.4g} mm</span>'
 
     def _prints(self) -> bool:
         return any(line.prints for line in self.lines)

@@ -1,5 +1,6 @@
 import { expect, test } from "vitest";
-import { colourOf, spreadOf } from "./heights";
+import { shadeOfHeight } from "$draw/shades.js";
+import { spreadOf } from "./heights";
 import { changesOf } from "../state/calibration.svelte";
 
 test("the spread of heights is about their mean", () => {
@@ -13,10 +14,9 @@ test("the spread of heights is about their mean", () => {
 });
 
 test("low is blue, the middle white, high red", () => {
-  const spread = { low: -0.2, high: 0.2, rms: 0.1 };
-  expect(colourOf(-0.2, spread)).toBe("rgb(110 175 245)");
-  expect(colourOf(0, spread)).toBe("rgb(250 250 250)");
-  expect(colourOf(0.2, spread)).toBe("rgb(250 140 120)");
+  expect(shadeOfHeight(-0.2, 0.2)).toBe("rgb(110 175 245)");
+  expect(shadeOfHeight(0, 0.2)).toBe("rgb(250 250 250)");
+  expect(shadeOfHeight(0.2, 0.2)).toBe("rgb(250 140 120)");
 });
 
 test("only settings whose values differ are changes, with the value before", () => {

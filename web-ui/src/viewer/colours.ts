@@ -1,11 +1,10 @@
 /** What the colour of a move means: for each row an index of a palette of 256 colours. */
 
+import { ramp, type Colour } from "$draw/shades.js";
 import { PRINT, type Toolpath } from "./toolpath";
 
 export const MODES = ["feature", "speed", "flow", "layer-time", "speed_limit", "acceleration", "acceleration_limit", "temperature"] as const;
 export type Mode = (typeof MODES)[number];
-
-export type Colour = readonly [number, number, number];
 
 /** An entry of the legend; `indices` are those of the palette that it stands for. */
 export interface Entry {
@@ -24,13 +23,6 @@ export interface Colouring {
 }
 
 const SAME_S = 0.002; // by which a target's time may seem to be after the move before it
-const RAMP: readonly Colour[] = [
-  [58, 110, 224],
-  [31, 178, 203],
-  [82, 207, 102],
-  [252, 196, 25],
-  [240, 62, 62],
-];
 const NAMED: readonly Colour[] = [
   [247, 144, 61],
   [79, 179, 255],
@@ -45,15 +37,6 @@ const NAMED: readonly Colour[] = [
   [122, 162, 84],
   [236, 112, 84],
 ];
-
-/** A colour of the ramp, from 0 to 1. */
-export function ramp(fraction: number): Colour {
-  const at = Math.min(Math.max(fraction, 0), 1) * (RAMP.length - 1);
-  const below = Math.min(Math.floor(at), RAMP.length - 2);
-  const [a, b] = [RAMP[below], RAMP[below + 1]] as [Colour, Colour];
-  const mix = (i: 0 | 1 | 2) => Math.round(a[i] + (b[i] - a[i]) * (at - below));
-  return [mix(0), mix(1), mix(2)];
-}
 
 /** `filament_mm2` is the area of the filament's section; `heaters` are those of the tools. */
 export function colouring(path: Toolpath, mode: Mode, filament_mm2: number, heaters: readonly string[]): Colouring {

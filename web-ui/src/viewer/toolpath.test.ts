@@ -1,5 +1,6 @@
 import { expect, test } from "vitest";
-import { colouring, ramp } from "./colours";
+import { ramp } from "$draw/shades.js";
+import { colouring } from "./colours";
 import { decode, PRINT, TRAVEL } from "./toolpath";
 
 /** Four rows: a jump, a travel and two prints, in two layers. */
