@@ -186,7 +186,9 @@ def test_axis_without_a_switch_has_the_end_that_its_owner_moves_it_to(load) -> N
     unknown = "endstop_pin: PA7", "endstop_pin: probe:z_virtual_endstop"
     draft, machine = load(unknown, more="[probe_eddy_current a]\nsensor_type: ldc1612\n")
     assert "z" not in machine.homing
-    assert "Passo does not have this probe" in "".join(remarks(draft, "decide"))
+    asked = "".join(remarks(draft, "decide"))
+    assert "Passo does not have this probe" in asked
+    assert "[probe_eddy_current a]: Passo does not read this probe" in asked
 
 
 def test_amplifier_of_a_sensor_has_the_voltage_of_its_converter(load) -> None:
