@@ -1,8 +1,12 @@
 // Python interface of chips around a simulated board: drivers, converters, accelerometers, probes.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/vector.h>
 
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "bind/bind_numbers.hpp"
 #include "sim/accelerometer_chip.hpp"
@@ -57,6 +61,31 @@ void bind_chips(nb::module_& m) {
       },
       "bench"_a, "select_pin"_a, "clock_pin"_a, "to_device"_a, "from_device"_a, "chip"_a,
       "Connects a driver to the SPI bus on these pins.");
+  nb::class_<StallSensor>(m, "StallSensor", "The stall detection of a simulated motor driver.")
+      .def_prop_ro("result", &StallSensor::result, "The load value; it falls as the load rises.")
+      .def_prop_ro("stalls", &StallSensor::stalls, "How often the DIAG pin has shown a stall.")
+      .def_rw("friction", &StallSensor::friction,
+              "The load of free travel, as a fraction of the torque with full current.")
+      .def_rw("noise", &StallSensor::noise, "The noise of the load value, as a fraction.")
+      .def_rw("stuck", &StallSensor::stuck, "A fault: the pin shows a stall all the time.");
+  m.def(
+      "add_stall_sensor",
+      [](Bench& bench, std::shared_ptr<TrinamicChip> chip, uint32_t step_pin, uint32_t diag_pin,
+         int output) {
+        auto sensor = std::make_shared<StallSensor>(std::move(chip), step_pin, diag_pin, output);
+        bench.plant().add_stall_sensor(sensor);
+        return sensor;
+      },
+      "bench"_a, "chip"_a, "step_pin"_a, "diag_pin"_a, "output"_a,
+      "Connects a DIAG pin of a driver, DIAG0 or DIAG1, whose motor has its actuator already.");
+  m.def(
+      "add_travel_stop",
+      [](Bench& bench, std::vector<std::pair<uint32_t, double>> weights, double position,
+         bool at_maximum) {
+        bench.plant().stops.push_back({std::move(weights), position, at_maximum});
+      },
+      "bench"_a, "weights"_a, "position"_a, "at_maximum"_a,
+      "Adds a mechanical stop at the weighted sum of actuators: (step pin, weight).");
   nb::class_<Digipot>(m, "Digipot", "A simulated digital potentiometer that sets motor currents.")
       .def("wiper", &Digipot::wiper, "channel"_a, "0 to 255.");
   m.def(

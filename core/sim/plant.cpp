@@ -14,8 +14,14 @@ void Plant::add_body(HeatedBody body) {
 
 void Plant::add_probe(BedProbe probe) {
   probe.mechanism.hz = hz_;
-  if (probe.mechanism.kind == ProbeMechanism::Kind::dock) next_look_ = done_;
+  if (probe.mechanism.kind == ProbeMechanism::Kind::dock) next_look_ = next_dock_ = done_;
   probes.push_back(std::move(probe));
+}
+
+void Plant::add_stall_sensor(std::shared_ptr<StallSensor> sensor) {
+  next_look_ = next_load_ = done_;
+  const Actuator* driven = actuator(sensor->step_pin());
+  loads_.push_back({std::move(sensor), driven ? driven->start : 0.0});
 }
 
 void Plant::set_output(uint32_t pin, Ticks clock, double duty) {
@@ -74,13 +80,11 @@ double Plant::position(uint32_t step_pin, int64_t net) const {
 }
 
 void Plant::place(uint32_t step_pin, int64_t net, double position) {
-  for (Actuator& a : actuators)
-    if (a.step_pin == step_pin) a.start = position - double(net) * a.per_step;
+  if (Actuator* a = actuator(step_pin)) a->start = position - double(net) * a->per_step;
 }
 
 void Plant::rebase(uint32_t step_pin, int64_t net) {
-  for (Actuator& a : actuators)
-    if (a.step_pin == step_pin) a.start += double(net) * a.per_step;
+  if (Actuator* a = actuator(step_pin)) a->start += double(net) * a->per_step;
 }
 
 void Plant::run_until(Ticks clock) {
@@ -103,15 +107,55 @@ double Plant::random() {
 }
 
 void Plant::look(Ticks clock, const Position& position) {
-  if (clock < next_look_) return;
-  next_look_ = kNever;
+  if (clock >= next_dock_) {
+    next_dock_ = clock + Ticks(ProbeMechanism::kSampleSeconds * hz_);
+    look_at_docks(position);
+  }
+  if (clock >= next_load_) {
+    next_load_ = clock + Ticks(StallSensor::kSampleSeconds * hz_);
+    look_at_loads(position);
+  }
+  next_look_ = std::min(next_dock_, next_load_);
+}
+
+void Plant::look_at_docks(const Position& position) {
   for (BedProbe& probe : probes) {
     if (probe.mechanism.kind != ProbeMechanism::Kind::dock) continue;
-    next_look_ = clock + Ticks(ProbeMechanism::kSampleSeconds * hz_);
     std::vector<double> q;
     for (uint32_t step_pin : probe.motors) q.push_back(position(step_pin));
     double p[3];
     if (probe.nozzle(q.data(), p)) probe.mechanism.look(p);
+  }
+}
+
+Actuator* Plant::actuator(uint32_t step_pin) {
+  for (Actuator& a : actuators)
+    if (a.step_pin == step_pin) return &a;
+  return nullptr;
+}
+
+void Plant::look_at_loads(const Position& position) {
+  for (Motor& motor : loads_) {
+    motor.moved = position(motor.sensor->step_pin()) - motor.position;
+    motor.blocked = false;
+  }
+  for (const TravelStop& stop : stops) {
+    double at = 0, square = 0;
+    for (auto [step_pin, weight] : stop.weights) {
+      at += weight * position(step_pin);
+      square += weight * weight;
+    }
+    const double beyond = at - stop.position;
+    if (stop.at_maximum ? beyond <= 0 : beyond >= 0) continue;
+    for (auto [step_pin, weight] : stop.weights) {
+      if (Actuator* pushed = actuator(step_pin)) pushed->start -= beyond * weight / square;
+      for (Motor& motor : loads_) motor.blocked |= motor.sensor->step_pin() == step_pin;
+    }
+  }
+  for (Motor& motor : loads_) {
+    const Actuator* driven = actuator(motor.sensor->step_pin());
+    motor.sensor->look(driven ? motor.moved / driven->per_step : 0.0, motor.blocked);
+    motor.position = position(motor.sensor->step_pin());
   }
 }
 
@@ -121,6 +165,8 @@ bool Plant::level(uint32_t pin, Ticks clock, const Position& position) {
     if (device.drives(pin)) return device.level();
   for (const I2cDevice& device : i2c_devices)
     if (device.pins().data == pin && device.pulls()) return false;
+  for (const Motor& motor : loads_)
+    if (motor.sensor->diag_pin() == pin) return motor.sensor->level();
   for (const Switch& s : switches) {
     if (s.pin != pin) continue;
     double at = 0;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "sim/bed.hpp"
 #include "sim/i2c_device.hpp"
 #include "sim/spi_device.hpp"
+#include "sim/stall_sensor.hpp"
 #include "sim/uart_line.hpp"
 
 namespace passo::wire {
@@ -87,6 +89,7 @@ class Plant {
   std::deque<UartLine> uarts;
   std::deque<SpiDevice> spi_devices;
   std::deque<I2cDevice> i2c_devices;
+  std::vector<TravelStop> stops;
 
   Plant(double clock_hz, uint32_t adc_max, Ticks start)
       : hz_(clock_hz), step_s_(kStepSeconds), step_ticks_(Ticks(kStepSeconds * clock_hz)),
@@ -94,6 +97,7 @@ class Plant {
 
   void add_body(HeatedBody body);
   void add_probe(BedProbe probe);
+  void add_stall_sensor(std::shared_ptr<StallSensor> sensor);
 
   // From `clock` on, an output pin is high for the fraction `duty` of the time.
   void set_output(uint32_t pin, Ticks clock, double duty);
@@ -124,14 +128,24 @@ class Plant {
  private:
   static constexpr double kStepSeconds = 0.02;
   static constexpr double kServoCycleUs = 20000;
+  struct Motor {
+    std::shared_ptr<StallSensor> sensor;
+    double position;  // of its actuator, at the last sample
+    double moved = 0;
+    bool blocked = false;
+  };
   double hz_;
-  Ticks next_look_ = kNever;
+  Ticks next_look_ = kNever, next_load_ = kNever, next_dock_ = kNever;
+  std::vector<Motor> loads_;
   double step_s_;
   Ticks step_ticks_;
   uint32_t adc_max_;
   Ticks done_;
   uint32_t random_ = 1;
 
+  Actuator* actuator(uint32_t step_pin);
+  void look_at_docks(const Position& position);
+  void look_at_loads(const Position& position);
   // A random number from -1 to 1, the same on every computer: linear congruential generator
   // (Numerical Recipes).
   double random();

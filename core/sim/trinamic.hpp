@@ -30,6 +30,7 @@ class TrinamicChip {
 
   static constexpr int kShortBits = 20;  // of a TMC2660's datagram
   bool by_short_spi() const { return kind_ == Kind::tmc2660; }
+  Kind kind() const { return kind_; }
   // The version is in a register of the UART.
   bool by_uart() const { return kind_ <= Kind::tmc2226; }
   uint32_t read(uint8_t reg) const { return registers_[reg & 0x7f]; }

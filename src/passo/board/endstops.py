@@ -9,6 +9,7 @@ from passo.board.connection import Connection
 from passo.board.description import inverted
 from passo.board.exchange import Values
 
+_NONE: Mapping[str, Sequence[str]] = {}
 _SAMPLE_S = 15e-6  # interval of the samples that must agree
 _SAMPLES = 4
 _REPORT_S = 0.1  # interval of the state reports of a group
@@ -31,6 +32,7 @@ class Endstops:
         self._boards = boards
         # each with all boards on which it stops motors
         self._armed: dict[str, list[Connection]] = {}
+        self._also: list[tuple[str, str]] = []  # further endstops, and the armed one they belong to
         self._rest_s = 0.0
         self._reason = 0
         # armed endstops that triggered, with the clock at which their motors stopped
@@ -61,12 +63,15 @@ class Endstops:
         rest_s: float,
         *,
         opening: bool = False,
+        also: Mapping[str, Sequence[str]] = _NONE,
     ) -> None:
         """From `clock` on, each of these endstops stops its steppers when it triggers or, with
-        `opening`, when it opens. The board samples every `rest_s` seconds. After this call, do not
+        `opening`, when it opens; so do the endstops that it has in `also`, on its board. The
+        board samples every `rest_s` seconds. After this call, do not
         set the motors' clocks: a stopped motor would continue."""
         self._rest_s = rest_s
         self._armed, self.hit, self.expired = {}, {}, set()
+        self._also = []
         self._reason = self._reason % _REASONS + 1
         for connection in self._boards.connections:
             # Before its reset, a board may have reported a search of another host.
@@ -89,7 +94,10 @@ class Endstops:
                     float(clock),
                     _SHARED_TIMEOUT_S * self._boards.board.clock_hz,
                 )
-            self._home(own, name, clock, opening=opening)
+            self._home(own, name, name, clock, opening=opening)
+            for other in also.get(name, ()):
+                self._also.append((other, name))
+                self._home(own, other, name, clock, opening=opening)
 
     def _group(
         self, board: Connection, name: str, stopped: Sequence[str], clock: int, *, shared: bool
@@ -111,14 +119,14 @@ class Endstops:
                 oid = board.oids.steppers[stepper]
                 board.command(f"stepper_stop_on_trigger oid={oid} trsync_oid={group}")
 
-    def _home(self, board: Connection, name: str, clock: int, *, opening: bool) -> None:
+    def _home(self, board: Connection, name: str, group: str, clock: int, *, opening: bool) -> None:
         level = int(self._is_low(name) == opening)
         hz, begin = board.board.clock_hz, board.link.own_clock(clock)
         board.command(
             f"endstop_home oid={board.oids.endstops[name]} clock={begin & 0xFFFFFFFF}"
             f" sample_ticks={int(_SAMPLE_S * hz)} sample_count={_SAMPLES}"
             f" rest_ticks={int(self._rest_s * hz)} pin_value={level}"
-            f" trsync_oid={board.oids.trsyncs[name]} trigger_reason={self._reason}"
+            f" trsync_oid={board.oids.trsyncs[group]} trigger_reason={self._reason}"
         )
 
     def all_hit(self) -> bool:
@@ -153,13 +161,13 @@ class Endstops:
     def disarm(self) -> None:
         """Disarms the endstops: they stop no motor any more."""
         self._boards.timeline.disarm()
-        for name, boards in self._armed.items():
-            own = self._board(name)
-            oid, group = own.oids.endstops[name], own.oids.trsyncs[name]
+        for name, group in (*((name, name) for name in self._armed), *self._also):
+            own = self._board(group)
             own.command(
-                f"endstop_home oid={oid} clock=0 sample_ticks=0 sample_count=0 rest_ticks=0"
-                f" pin_value=0 trsync_oid={group} trigger_reason=0"
+                f"endstop_home oid={own.oids.endstops[name]} clock=0 sample_ticks=0 sample_count=0"
+                f" rest_ticks=0 pin_value=0 trsync_oid={own.oids.trsyncs[group]} trigger_reason=0"
             )
+        for name, boards in self._armed.items():
             for board in boards:
                 board.command(f"trsync_trigger oid={board.oids.trsyncs[name]} reason=0")
-        self._armed = {}
+        self._armed, self._also = {}, []

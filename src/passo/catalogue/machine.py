@@ -47,6 +47,26 @@ MACHINE: Mapping[str, Entry] = {
         "Check its wiring and the ! in front of its pin, or raise its retract distance",
         ExitStatus.MACHINE_FAULT,
     ),
+    "machine.stall-missed": Entry(
+        "homing",
+        "{axis} was not homed: the {value} detected no stall within {limit} towards {position}",
+        "If the axis stood at its end, make the detection more sensitive (M914): SGTHRS higher, SGT"
+        " lower; or home faster, up to one rotation of the motor in a second",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.stall-early": Entry(
+        "homing",
+        "{axis} was not homed: the {value} detected a stall after {limit}, also in a second try",
+        "If the axis moves freely, make the detection less sensitive (M914): SGTHRS lower, SGT"
+        " higher; or raise homing.stall.current_a",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.stall-shown": Entry(
+        "homing",
+        "{axis} was not homed: the {value} shows a stall while its motor is at rest",
+        "Check the wire and the ! in front of the pin, and what M122 reports about the driver",
+        ExitStatus.MACHINE_FAULT,
+    ),
     "machine.emergency-stop": Entry(
         "job",
         "emergency stop by M112",

@@ -183,8 +183,8 @@ def check_homing(data: Raw, actuators: tuple[str, ...], arms: tuple[str, ...]) -
             limit = f"one of {', '.join(dict.fromkeys(names))}"
             yield Finding("config.unknown-key", path, name, limit, did_you_mean(name, names))
         pins, by_probe = table(homing, "stepper_pins"), homing.get("probe") is True
-        if ("pin" in homing) + bool(pins) + by_probe != 1:
-            limit = "either pin, or stepper_pins with a pin for each motor"
+        if ("pin" in homing) + bool(pins) + by_probe + ("stall" in homing) != 1:
+            limit = "either pin, or stall, or stepper_pins with a pin for each motor"
             limit += ", or probe = true" if name == "z" else ""
             yield Finding("config.conflict", (*path, "pin"), homing.get("pin"), limit)
         if by_probe and (name != "z" or arms):

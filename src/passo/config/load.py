@@ -40,6 +40,7 @@ from passo.config.probing_checks import check_probe
 from passo.config.sensor_files import with_sensor_files
 from passo.config.sensor_names import put_sensor_names
 from passo.config.shaping_checks import check_advance, check_backlash, check_shaping
+from passo.config.stalls import check_stalls
 from passo.config.toml_lines import Path, line_of
 from passo.errors import ConfigError, Problem
 
@@ -189,6 +190,7 @@ def _checked(text: str, file: str) -> tuple[MachineConfig | None, list[Finding],
             *check_offsets(machine),
             *check_own_switches(machine),
             *check_skew(machine),
+            *check_stalls(machine),
             *check_park(machine),
             *check_moves(machine),
             *check_scales(machine),

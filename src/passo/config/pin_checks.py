@@ -17,6 +17,7 @@ from passo.config.motion import MICROSTEPS
 from passo.config.pin_names import MAIN, bare, named_on, placed, section
 from passo.config.sensors import CONVERTERS
 from passo.config.toml_lines import Path
+from passo.config.trinamic import STALL_PINS
 
 Raw = Mapping[str, Any]
 Need = Literal[
@@ -107,6 +108,8 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
         elif stepper.get("driver") in _SPI_DRIVERS and "uart_pin" not in tmc:
             yield from _of_socket(path, stepper, socket.get("select"), "select")
         yield from _wires((*path, "tmc"), tmc)
+        for key in STALL_PINS:
+            yield from _claim((*path, "tmc", key), tmc.get(key), "switch")
     for part in ("heaters", "fans", "outputs", "sensors"):
         for name, content in tables(data, part):
             hardware: Need = "pwm" if content.get("pwm") == "hardware" else "digital"
@@ -169,7 +172,7 @@ def _check_parts(data: Raw) -> Iterator[Finding]:
         yield from _check_together(("steppers", name), stepper, keys)
         tmc = table(stepper, "tmc")
         first = stepper.get("step_pin", stepper.get("socket"))
-        keys = ("socket", "cs_pin", *_WIRES)
+        keys = ("socket", "cs_pin", *_WIRES, *STALL_PINS)
         yield from _check_together(("steppers", name, "tmc"), {**tmc, "socket": first}, keys)
     keys = ("cs_pin", "spi_bus", *_WIRES, "i2c_bus", *_LINES)
     yield from _check_together(("accelerometer",), table(data, "accelerometer"), keys)

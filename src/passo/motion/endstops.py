@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import takewhile
 from typing import TYPE_CHECKING
 
 from passo.config.motor_roles import axis_order
 from passo.config.probing import PROBE
+from passo.config.stalls import watched_motors
 from passo.gcode.command import letters_of
 from passo.geometry.base import Point
 from passo.probes.base import SensingProbe
@@ -21,12 +22,17 @@ _NUDGE = 1e-3  # mm: a test move that shows which actuators an axis moves
 
 @dataclass(frozen=True, slots=True)
 class Switch:
-    """An endstop at `pin` that stops `steppers` when `home`, an axis or an actuator, reaches it."""
+    """An endstop at `pin` that stops `steppers` when `home`, an axis or an actuator, reaches it.
+    Reports show it as `label`. `watched` are the motors whose drivers detect its stall; `also` are
+    the names of further endstops that stop the same motors."""
 
     name: str
     home: str
     pin: str
     steppers: tuple[str, ...]
+    label: str = ""
+    watched: tuple[str, ...] = ()
+    also: tuple[str, ...] = ()
 
 
 def switches(machine: MachineConfig) -> tuple[Switch, ...]:
@@ -35,9 +41,48 @@ def switches(machine: MachineConfig) -> tuple[Switch, ...]:
     found: list[Switch] = []
     for name, homing in machine.homing.items():
         if homing.pin is not None:
-            found.append(Switch(name, name, homing.pin, steppers_of(machine, name)))
-        found += [Switch(s, name, pin, (s,)) for s, pin in homing.stepper_pins.items()]
+            found.append(Switch(name, name, homing.pin, steppers_of(machine, name), name))
+        found += [Switch(s, name, pin, (s,), s) for s, pin in homing.stepper_pins.items()]
+        found += _stall_switches(machine, name) if homing.stall else []
     return tuple(found)
+
+
+def _stall_switches(machine: MachineConfig, home: str) -> Iterator[Switch]:
+    """Each motor with a stall detection stops itself, and the first one the motors without. If the
+    axis moves several actuators, one of its motors stops them all."""
+    motors, pins = steppers_of(machine, home), _stall_pins(machine)
+    first, *others = watched_motors(machine, home)
+    if len(set(_indices(machine, motors))) > 1:
+        others = [name for name in motors if name in pins and name != first]
+        also = tuple(map(_stall_name, others))
+        yield Switch(*(_stall_name(first), home, pins[first], motors, home), (first, *others), also)
+        return
+    rest = [name for name in motors if name not in pins]
+    for name in (first, *others):
+        stopped = (name, *rest) if name == first else (name,)
+        label = name if others else home
+        yield Switch(_stall_name(name), home, pins[name], stopped, label, (name,))
+
+
+def _stall_name(motor: str) -> str:
+    return f"{motor}_stall"
+
+
+def _stall_pins(machine: MachineConfig) -> dict[str, str]:
+    """The pins of the stall detections, as written, by motor."""
+    return {
+        name: stepper.tmc.stall_pin
+        for name, stepper in machine.steppers.items()
+        if stepper.tmc and stepper.tmc.stall_pin
+    }
+
+
+def endstop_pins(machine: MachineConfig) -> dict[str, str]:
+    """The pins of all endstops and of the probe, as written, by the names of the endstops."""
+    found = {switch.name: switch.pin for switch in inputs(machine)}
+    also = {name for switch in switches(machine) for name in switch.also}
+    further = {_stall_name(motor): pin for motor, pin in _stall_pins(machine).items()}
+    return found | {name: pin for name, pin in further.items() if name in also}
 
 
 def probe_switch(machine: MachineConfig, axes: Iterable[str] = "z") -> Switch | None:

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from passo.motion.offsets import Offsets
     from passo.motion.probing import Prober
     from passo.motion.rig import Rig
+    from passo.motion.stall_homing import StallHoming
     from passo.motion.triggered_moves import Interrupts, TriggeredMoves
 
 _FULL_TURN = 360.0  # range of an arm without limits
@@ -83,10 +84,11 @@ class Homer:
         correction: BedCorrection,
         motors: LoneMotors,
         prober: Prober,
+        stalls: StallHoming,
     ) -> None:
         self._rig, self._interrupts, self._offsets = rig, interrupts, offsets
         self._triggered, self._correction = triggered, correction
-        self._lone_motors, self._prober = motors, prober
+        self._lone_motors, self._prober, self._stalls = motors, prober, stalls
         self._problem_of_job = problem  # gives the error that stopped the job
         self._axes = axis_order(self._machine.axes)
         self._switches = switches(self._machine)
@@ -117,7 +119,7 @@ class Homer:
 
     def states(self) -> dict[str, bool]:
         """Asks the boards for the state of every endstop: True if triggered."""
-        return {switch.name: self._endstops.pressed(switch.name) for switch in self._switches}
+        return {switch.label: self._endstops.pressed(switch.name) for switch in self._switches}
 
     async def home(self, letters: str) -> None:
         """Homes the axes of these letters, or all. An axis without an endstop is assumed to be at
@@ -254,11 +256,14 @@ class Homer:
         self._set({"z": self._at(Z) + self.offset_mm["z"]})
 
     async def _by_switches(self, names: Sequence[str], *, everything: bool) -> None:
-        """Homes axes and arms by their endstops, at the same time if they do not share a motor."""
+        """Homes axes and arms by their endstops, at the same time if they do not share a motor. An
+        axis that homes by a stall moves alone."""
         batch: list[_HomingAxis] = []
         with self._triggered.prepared():
             for way in self._ways(names, everything=everything):
-                if any(way.steppers & other.steppers for other in batch):
+                arms = is_actuator(self._machine, way.name)
+                alone = not arms and any(w.config.stall for w in (way, *batch))
+                if batch and alone or any(way.steppers & other.steppers for other in batch):
                     await self._together(batch)
                     batch = []
                 batch.append(way)
@@ -329,9 +334,12 @@ class Homer:
             speeds = [once[w.name][1] if once else w.config.fast for w in ways]
             for way, far in zip(ways, travel, strict=True):
                 self._place(way, way.home - way.sign * far)
-            await self._seek(ways, travel, speeds)
-            if not once:
-                await self._again(ways, behind)
+            if any(way.config.stall for way in ways):
+                await self._by_stall(ways, travel, speeds, once=once is not None)
+            else:
+                await self._seek(ways, travel, speeds)
+                if not once:
+                    await self._again(ways, behind)
         except BaseException as failure:
             self._set(point_of_arms(self._arms_at_home(job.machine_position[Z])))
             try:
@@ -384,6 +392,40 @@ class Homer:
         slow = [SLOW_OVERRUN * w.config.retract for w in ways]
         await self._seek(ways, slow, [w.config.slow for w in ways])
 
+    async def _by_stall(
+        self,
+        ways: Sequence[_HomingAxis],
+        travel: Sequence[float],
+        speeds: Sequence[float],
+        *,
+        once: bool,
+    ) -> None:
+        """Moves axes until their motors stall, and a little back. A stall within the first
+        millimetres does not count: the axis was at its end, or the threshold is wrong. Then they
+        move away and home once more, unless `once`."""
+        of = {way.name: [switch for switch in way.switches if switch.watched] for way in ways}
+        watched = [switch for switches in of.values() for switch in switches]
+        speed_of = {s: v for w, v in zip(ways, speeds, strict=True) for s in of[w.name]}
+        async with self._stalls.detecting(speed_of):
+            for last in (once, True):
+                stuck = await self._stalls.still_shown(watched)
+                if stuck is not None:
+                    raise self._problem("machine.stall-shown", stuck, 0.0)
+                for way, far in zip(ways, travel, strict=True):
+                    self._place(way, way.home - way.sign * far)
+                before = self._stalls.counts(watched)
+                await self._seek(ways, travel, speeds)
+                moved = {w.name: self._stalls.travel(of[w.name], before) for w in ways}
+                early = [w for w in ways if moved[w.name] < _least_travel(w)]
+                if not early:
+                    break
+                if last:
+                    way = early[0]
+                    raise self._problem("machine.stall-early", way.switches[0], moved[way.name])
+                await self._go([-2 * _least_travel(way) for way in ways], ways)
+            if not once:
+                await self._go([-way.config.retract for way in ways], ways)
+
     async def _level(self, way: _HomingAxis) -> float:
         """Aligns the motors of an axis, each of which is at its own endstop, with the innermost
         motor. Returns the distance of that position from home."""
@@ -434,7 +476,8 @@ class Homer:
                     raise self._problem(_LOST, switch, 0.0)
                 if switch.name not in self._endstops.hit:
                     far = travel[list(ways).index(way)]
-                    raise self._problem("machine.switch-missed", switch, far)
+                    missed = "machine.stall-missed" if switch.watched else "machine.switch-missed"
+                    raise self._problem(missed, switch, far)
         overshoot.measure(switches)
         for way in ways:
             rig.job.axes.set([(way.axis, way.home)], triggered=True)
@@ -476,7 +519,12 @@ class Homer:
         return CommandError.of(
             code,
             axis=f"{'arm' if turns else 'carriage' if arm else 'axis'} {home.upper()}",
-            value=f"switch {switch.name} at {switch.pin}",
+            value=f"{'driver' if switch.watched else 'switch'} {switch.label} at {switch.pin}",
             limit=f"{limit:g}{unit}",
             position=f"{self._machine.homing[home].position:g}{unit}",
         )
+
+
+def _least_travel(way: _HomingAxis) -> float:
+    """The travel within which a stall of an axis does not count."""
+    return way.config.stall.min_travel if way.config.stall else 0.0

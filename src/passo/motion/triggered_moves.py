@@ -100,7 +100,8 @@ class TriggeredMoves:
         overshoot = TriggerOvershoot(rig, self.endstops, joints=joints)
         start = queue.base + int(rig.job.clock - _ARMED_S * queue.hz)
         rest_s = min(_REST_S, max(1.0 / steps_s, _FASTEST_REST_S))
-        self.endstops.arm({s.name: s.steppers for s in switches}, start, rest_s, opening=opening)
+        stopped, also = ({s.name: s.steppers for s in switches}, {s.name: s.also for s in switches})
+        self.endstops.arm(stopped, start, rest_s, opening=opening, also=also)
         move()
         queue.flush()
         try:

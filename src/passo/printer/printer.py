@@ -90,7 +90,7 @@ class Printer:
         self.lateness = LateCommandWatch(rig, state)
         self.sensors = SensorWatch(rig, state, stops.halt)
         self._begin(connection, first=True)
-        self.motion = motion = build_motion(rig, state)
+        self.motion = motion = build_motion(rig, state, self.drivers)
         self.heat = heat = build_heat(rig, state, outputs.targets, self.sensors)
         area = printed_area or (lambda: covered(objects_of(rig.job)))
         self.levelling = build_levelling(rig, motion, meshes or MeshStore(), area)

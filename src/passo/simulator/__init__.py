@@ -12,7 +12,9 @@ from passo.simulator.plant import (
     InputSwitch,
     Lift,
     PlantDescription,
+    StallPin,
     Switch,
+    TravelStop,
 )
 from passo.simulator.wires import without_buses
 
@@ -29,6 +31,8 @@ __all__ = [
     "SimulatedBoard",
     "SimulatedFaults",
     "SimulatedMachine",
+    "StallPin",
     "Switch",
+    "TravelStop",
     "without_buses",
 ]

@@ -61,6 +61,7 @@ class SimulatedBoard:
             )
         self._add_plant(plant)
         self.drivers = dict(self._add_drivers())
+        self.stalls = dict(self._add_stalls(plant))
         self.converters = dict(self._add_converters())
         self.accelerometers = list(self._add_accelerometers())
         self.digipots = [
@@ -80,6 +81,16 @@ class SimulatedBoard:
                 select, clock, mosi, miso = pins
                 _core.add_spi_driver(self.device, select, clock, mosi, miso, chip)
             yield driver.stepper, chip
+
+    def _add_stalls(self, plant: PlantDescription) -> Iterator[tuple[str, _core.StallSensor]]:
+        """The stall detections of the drivers, by their motors, and the stops of the travel."""
+        for stop in plant.stops:
+            weights = [(self._felt_pin(stepper), weight) for stepper, weight in stop.weights]
+            _core.add_travel_stop(self.device, weights, stop.position, stop.at_maximum)
+        for part in plant.stall_pins:
+            pins = self._step_pin(part.stepper), self._pins[bare(part.pin)]
+            chip = self.drivers[part.stepper]
+            yield part.stepper, _core.add_stall_sensor(self.device, chip, *pins, part.output)
 
     def _add_converters(self) -> Iterator[tuple[str, _core.ConverterChip]]:
         """The converters of sensors, by their names."""

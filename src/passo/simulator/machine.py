@@ -48,6 +48,7 @@ class SimulatedMachine:
             n: b.device for n, b in boards.items()
         }
         self.drivers = {m: chip for b in boards.values() for m, chip in b.drivers.items()}
+        self.stalls = {m: part for b in boards.values() for m, part in b.stalls.items()}
         self._distant: dict[SimulatedBoard, _core.Distant] = {}
         self._own: dict[tuple[str, str], SimulatedBoard] = {}
         for number, (name, board) in enumerate(boards.items()):

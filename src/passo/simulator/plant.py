@@ -32,6 +32,25 @@ class Switch:
 
 
 @dataclass(frozen=True, slots=True)
+class TravelStop:
+    """A mechanical stop: the weighted sum of some steppers' actuator positions does not go beyond
+    `position`, whose side is as that of a `Switch`."""
+
+    weights: tuple[tuple[str, float], ...]
+    position: float
+    at_maximum: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class StallPin:
+    """The driver of `stepper` shows stalls at `pin`, its output DIAG or DIAG0 (0) or DIAG1 (1)."""
+
+    stepper: str
+    pin: str
+    output: int
+
+
+@dataclass(frozen=True, slots=True)
 class InputSwitch:
     """What is wired to the input `name`. Its level is `active` while the sum of some steppers'
     actuator positions, each with its weight, is at or above `position`, or opposite below. With
@@ -140,6 +159,8 @@ class PlantDescription:
     actuators: tuple[Actuator, ...] = ()
     switches: tuple[Switch, ...] = ()
     inputs: tuple[InputSwitch, ...] = ()
+    stops: tuple[TravelStop, ...] = ()
+    stall_pins: tuple[StallPin, ...] = ()
     bodies: tuple[Body, ...] = ()
     airs: tuple[Air, ...] = ()
     probe: BedProbe | None = None

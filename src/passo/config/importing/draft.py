@@ -61,7 +61,10 @@ def plain_name(name: str) -> str:
 UNSAFE = "a value, without which the heater is not safe"
 UNKNOWN_SENSOR = "a sensor that Passo has; docs/reference/sensors.md lists them"
 NO_BUS = "three pins for the converter's bus: Passo does not use the chip's SPI unit"
-NO_SWITCH = "homing without a switch (sensorless) is not there yet"
+NO_ENDSTOP = "Passo does not have this endstop"
+NO_STALLS = "Passo does not detect stalls with this driver"
+NO_STALL_PIN = "its driver has no pin that shows stalls"
+NO_THRESHOLD = "its threshold is not in the file: STALL_CALIBRATE finds it"
 MOTORS_ALONE = "the fan runs with the motors alone, not with heaters"
 TWO_APPROACHES = "an axis approaches its endstop twice: it goes back by 3 mm between"  # the default
 PROBE_SPEEDS = "the probe homes Z with its own speeds, probe.fast_mm_s and slow_mm_s"

@@ -3,11 +3,12 @@ file."""
 
 from passo.config.trinamic.chips import CHIPS, THRESHOLD_MAX, Bus, Chip, ChipName, chip_of
 from passo.config.trinamic.currents import CurrentLaw, CurrentNumbers
-from passo.config.trinamic.keys import Tmc
+from passo.config.trinamic.keys import STALL_PINS, Tmc
 from passo.config.trinamic.registers import Field, Register
 
 __all__ = [
     "CHIPS",
+    "STALL_PINS",
     "THRESHOLD_MAX",
     "Bus",
     "Chip",

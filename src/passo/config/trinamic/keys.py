@@ -10,6 +10,9 @@ from passo.config.trinamic.chips import CHIPS, ChipName
 from passo.config.types import Model, NotNegative, Pin, Positive
 
 
+STALL_PINS = ("diag_pin", "diag0_pin", "diag1_pin")
+
+
 class Tmc(Model):
     """The settings of a driver with registers: docs/how-to/set-up-drivers.md."""
 
@@ -43,6 +46,23 @@ class Tmc(Model):
     """The data to the driver."""
     miso_pin: Pin | None = None
     """The data from the driver."""
+    diag_pin: Pin | None = None
+    """The input of the stall detection (DIAG) of a TMC2209 or TMC2226, for homing without
+    switches."""
+    diag0_pin: Pin | None = None
+    """The same input at DIAG0 of a driver on SPI. It is low during a stall: `^!`."""
+    diag1_pin: Pin | None = None
+    """The same input at DIAG1."""
+
+    @property
+    def stall_key(self) -> str:
+        """The key of the input of the stall detection; empty without one."""
+        return next((key for key in STALL_PINS if getattr(self, key)), "")
+
+    @property
+    def stall_pin(self) -> Pin | None:
+        """The input of the stall detection."""
+        return getattr(self, self.stall_key) if self.stall_key else None
 
     def resistor_ohm(self, chip: ChipName) -> float:
         """The resistor that sets the current, ohm; the usual one of modules if not given."""

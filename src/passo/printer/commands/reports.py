@@ -116,7 +116,7 @@ class Reports:
         self._require_board()
         reply.say("Reporting endstop status")
         machine = self._control.machine
-        homes = {s.name: machine.homing[s.home].direction for s in switches(machine)}
+        homes = {s.label: machine.homing[s.home].direction for s in switches(machine)}
         for name, pressed in self._motion.homer.states().items():
             reply.say(f"{name}_{homes[name]}: {'TRIGGERED' if pressed else 'open'}")
         if isinstance(machine.probe, SensingProbe):
@@ -170,7 +170,7 @@ class Reports:
         for switch in switches(self._control.machine):
             logic, pullup = "!" in switch.pin, "^" in switch.pin
             reply.say(
-                f"{switch.name} Logic:{'true' if logic else 'false'}"
+                f"{switch.label} Logic:{'true' if logic else 'false'}"
                 f" Pullup:{'true' if pullup else 'false'}"
             )
         return None

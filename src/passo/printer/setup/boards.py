@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from passo.board.description import BoardDescription, Endstop, Heater, Input, Stepper
 from passo.config.pin_names import MAIN, placed
 from passo.heat.control import arrival_of, control_of, limits_of, model_of
-from passo.motion.endstops import inputs
+from passo.motion.endstops import endstop_pins, inputs
 from passo.printer.setup.board_outputs import output_of, outputs_of
 from passo.printer.setup.drivers import accelerometers, current_settings, drivers
 from passo.printer.setup.sensors import sensor_of, shown_sensors
@@ -44,9 +44,9 @@ def board_description(machine: MachineConfig, board: str = MAIN) -> BoardDescrip
         ),
         heaters=tuple(_heater(machine, n, h) for n, h in heaters.items()),
         endstops=tuple(
-            Endstop(s.name, machine.pin(s.pin))
-            for s in inputs(machine)
-            if placed(s.pin)[0] == board
+            Endstop(name, machine.pin(pin))
+            for name, pin in endstop_pins(machine).items()
+            if placed(pin)[0] == board
         ),
         drivers=tuple(d for d in drivers(machine) if machine.board_of_stepper(d.stepper) == board),
         settings=tuple(current_settings(machine, board)),

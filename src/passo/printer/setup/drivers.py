@@ -11,7 +11,8 @@ from passo.board.trinamic import DriverSettings, threshold_of
 from passo.config.board import joined_marks
 from passo.config.pin_names import named_on, placed
 from passo.config.sensors import Converter, ThermocoupleConverter
-from passo.config.trinamic import chip_of
+from passo.config.stalls import STALL_KINDS, watched_motors
+from passo.config.trinamic import ChipName, chip_of
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -40,6 +41,7 @@ def drivers(machine: MachineConfig) -> Iterator[Driver]:
             threshold_of(chip, below * stepper.steps_per_unit, stepper.microsteps)
             if below
             else None,
+            _stall_fields(machine, name, chip),
         )
         if tmc.uart_pin:
             wire = UartPins(pin(tmc.uart_pin), pin(tmc.tx_pin or tmc.uart_pin))
@@ -50,6 +52,14 @@ def drivers(machine: MachineConfig) -> Iterator[Driver]:
             buses = (tmc.clock_pin or "", tmc.mosi_pin or "", tmc.miso_pin or "")
             clock, mosi, miso = (pin(bus) for bus in buses)
             yield Driver(name, SpiPins(pin(select), clock, mosi, miso), settings)
+
+
+def _stall_fields(machine: MachineConfig, motor: str, chip: ChipName) -> dict[str, int]:
+    """The threshold of the stall detection of a motor, if an axis homes by it."""
+    for home, homing in machine.homing.items():
+        if homing.stall is not None and motor in watched_motors(machine, home):
+            return {STALL_KINDS[chip].field: homing.stall.threshold}
+    return {}
 
 
 def microstep_outputs(machine: MachineConfig) -> Iterator[tuple[str, str]]:

@@ -11,6 +11,7 @@ from passo.motion.offsets import Offsets
 from passo.motion.predefined_moves import PredefinedMoves
 from passo.motion.probing import Prober
 from passo.motion.resonance_test import ResonanceTest
+from passo.motion.stall_homing import StallDrivers, StallHoming
 from passo.motion.triggered_moves import TriggeredMoves
 from passo.printer.commands.motor_moves import MotorMoves
 from passo.printer.commands.predefined_moves import PredefinedMoveCommands
@@ -45,7 +46,7 @@ class Motion:
         self.offsets.restarted()
 
 
-def build_motion(rig: LiveRig, state: State) -> Motion:
+def build_motion(rig: LiveRig, state: State, drivers: StallDrivers) -> Motion:
     """Builds the motion of a connected machine."""
     machine = rig.machine
     offsets, triggered = Offsets(machine), TriggeredMoves(rig, state)
@@ -53,7 +54,8 @@ def build_motion(rig: LiveRig, state: State) -> Motion:
     prober = Prober(rig, state, triggered, correction)
     lone_motors = LoneMotors(rig, state, triggered)
     seeks = triggered, correction
-    homer = Homer(rig, state, offsets, rig.problem, *seeks, lone_motors, prober)
+    stalls = StallHoming(rig, state, triggered, drivers)
+    homer = Homer(rig, state, offsets, rig.problem, *seeks, lone_motors, prober, stalls)
     predefined = PredefinedMoves(rig, state, triggered, rig.problem)
     settings = MotionCommands(rig, offsets, homer)
     predefined_commands = PredefinedMoveCommands(machine, predefined)

@@ -49,7 +49,14 @@ def simulated_board(
     machine: MachineConfig, board: BoardDescription, name: str = MAIN
 ) -> SimulatedBoard:
     """The simulated board `name` of a machine file, with its part of mechanics and heat."""
-    from passo.simulator import Air, Body, PlantDescription, SimulatedBoard
+    from passo.simulator import (
+        Air,
+        Body,
+        PlantDescription,
+        SimulatedBoard,
+        StallPin,
+        TravelStop,
+    )
     from passo.simulator import Switch as PlantSwitch
 
     own, wired = {e.name for e in board.endstops}, {i.name for i in board.inputs}
@@ -61,7 +68,18 @@ def simulated_board(
             PlantSwitch(s.name, weights, _felt_at(machine, s, weights), _at_maximum(machine, s))
             for s in switches(machine)
             for weights in (weights_of(machine, s),)
-            if s.name in own
+            if s.name in own and not s.watched
+        ),
+        stops=tuple(
+            TravelStop(weights, _felt_at(machine, s, weights), _at_maximum(machine, s))
+            for s in switches(machine)
+            for weights in (weights_of(machine, s),)
+            if s.name in own and s.watched
+        ),
+        stall_pins=tuple(
+            StallPin(motor, machine.pin(pin), int(key == "diag1_pin"))
+            for motor, key, pin in _stall_pins(machine)
+            if motor in {s.name for s in board.steppers}
         ),
         bodies=tuple(
             Body(
@@ -81,6 +99,14 @@ def simulated_board(
     )
     runs = "passo" if machine.all_boards[name].survives else "virtual"
     return SimulatedBoard(board, plant, firmware=runs)
+
+
+def _stall_pins(machine: MachineConfig) -> Iterator[tuple[str, str, str]]:
+    """Each motor whose stall detection homes an axis, with the key of its pin and the pin."""
+    for motor in dict.fromkeys(m for s in switches(machine) for m in s.watched):
+        tmc = machine.steppers[motor].tmc
+        if tmc is not None and tmc.stall_pin is not None:
+            yield motor, tmc.stall_key, tmc.stall_pin
 
 
 def _input_switches(machine: MachineConfig) -> Iterator[InputSwitch]:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from passo.board.drivers import Drivers, DriverState
 from passo.board.trinamic import DriverSettings, Finding, findings
+from passo.board.trinamic.stall import stall_settings, stall_threshold
 from passo.errors import MachineError
 from passo.motion.motion_queue import TICK_S
 
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from passo.board.boards import Boards
     from passo.errors import Problem
     from passo.motion.rig import Rig
+    from passo.motion.stall_homing import Detection
     from passo.printer.commands.motors import Motors
     from passo.printer.state import State
 
@@ -38,6 +40,7 @@ class DriverWatch:
         self._rig, self._state, self._motors, self._halt = rig, state, motors, halt
         self.prewarned: set[str] = set()  # motors whose drivers were hot since M912
         self._set: dict[str, DriverSettings] = {}  # set by commands; kept over a reset of the board
+        self._held: dict[str, DriverSettings] = {}  # from before a detection of stalls
         self._told: set[tuple[str, str]] = set()
         self._next_look = 0
 
@@ -105,6 +108,40 @@ class DriverWatch:
     def initialise(self, motor: str) -> None:
         """Writes the settings of a driver again, without waiting for the exchange with it."""
         self._of(motor).begin_configure(motor, self.states[motor].settings)
+
+    async def detect_stalls(self, wanted: Mapping[str, Detection]) -> None:
+        """Lets these motors' drivers detect stalls, until `end_detection`. Raises MachineError."""
+        states = self.states
+        self._held = {motor: states[motor].settings for motor in wanted}
+        await self._write(
+            {
+                motor: stall_settings(
+                    states[motor].settings,
+                    stall_threshold(states[how.like].settings),
+                    *(how.microsteps_s, how.current_a, how.pin),
+                )
+                for motor, how in wanted.items()
+            }
+        )
+
+    async def end_detection(self) -> None:
+        """Gives the drivers back the settings from before. Raises MachineError."""
+        held, self._held = self._held, {}
+        if not self._state.halted:  # a restart sets all drivers up
+            await self._write(held)
+
+    async def _write(self, settings: Mapping[str, DriverSettings]) -> None:
+        """Writes and verifies settings, which are not kept over a restart. Lets time pass; raises
+        MachineError."""
+        for motor, wanted in settings.items():
+            self._of(motor).begin_configure(motor, wanted)
+        await self._rig.queue.until(
+            lambda: bool(self._state.halted) or all(drivers.idle for drivers in self._of_boards)
+        )
+        for motor in settings:
+            failure = self.states[motor].failure
+            if failure is not None:
+                raise MachineError([failure.problem])
 
     def failures(self) -> Iterator[Problem]:
         """The drivers that do not answer."""

@@ -39,7 +39,7 @@ class EndstopWatch:
     ) -> None:
         self._rig, self._state, self._triggered = rig, state, triggered
         self._stop = stop  # stops the machine; receives the triggered endstops
-        self._switches = switches(rig.machine)
+        self._switches = [s for s in switches(rig.machine) if not s.watched]
         self._on = False
         self.stops = False  # M540: a trigger stops the machine
         self.begin()

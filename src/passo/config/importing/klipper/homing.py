@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from passo.config.importing.draft import NO_SWITCH, PROBE_SPEEDS, TWO_APPROACHES
+from passo.config.importing.draft import NO_ENDSTOP, PROBE_SPEEDS, TWO_APPROACHES
 from passo.config.importing.klipper.safe_home import put_safe_home_of_probe
+from passo.config.importing.klipper.stalls import by_stall, put_stall
 from passo.geometry.delta import rise_mm
 
 if TYPE_CHECKING:
@@ -31,8 +32,11 @@ def put_homing(
     path = ("homing", motor if letter in "abc" else letter)
     written = first.text("endstop_pin")
     by_probe = "probe" in written and "virtual_endstop" in written
+    if by_stall(written):
+        _put_stall_homing(job, sections, names, letter, path)
+        return
     if "virtual_endstop" in written and (not by_probe or job.probe_pin is None):
-        why = "Passo does not have this probe" if by_probe else NO_SWITCH
+        why = "Passo does not have this probe" if by_probe else NO_ENDSTOP
         _put_no_homing(job, sections, letter, why)
         return
     if by_probe:
@@ -50,18 +54,41 @@ def put_homing(
     if pin is None:
         _put_no_homing(job, sections, letter, "Passo does not reach its endstop")
         return
-    place = found.place
+    if not _put_position(job, sections, letter, path):
+        return
+    _put_switches(job, sections, names, path, pin)
+    _put_homing_speeds(job, first, path, letter)
+
+
+def _put_stall_homing(
+    job: Import, sections: list[Section], names: list[str], letter: str, path: KeyPath
+) -> None:
+    why = put_stall(job, sections, names, path)
+    if why:
+        _put_no_homing(job, sections, letter, why)
+        return
+    if not _put_position(job, sections, letter, path):
+        return
+    first = job.required("stepper_a") if letter in "abc" else sections[0]
+    job.put("homing", sections[0], first, name=path[1])
+    for section in sections:
+        section.used.update(_OF_HOMING)
+
+
+def _put_position(job: Import, sections: list[Section], letter: str, path: KeyPath) -> bool:
+    """Sets the side and the position of an endstop; False if the file does not have them."""
+    first, put = sections[0], job.draft.put
     towers = (job.config.get("stepper_a") or first) if letter in "abc" else first
     position = first.number("position_endstop", towers.number("position_endstop"))
     if position is None:
         _put_no_homing(job, sections, letter, "position_endstop is not in the file")
-        return
+        return False
+    place = first.at("endstop_pin")
     put((*path, "direction"), _direction(job, first, letter, position), place)
     if letter in "abc":
         position = _carriage_mm(job, first, position)
     put((*path, "position"), position, first.at("position_endstop"))
-    _put_switches(job, sections, names, path, pin)
-    _put_homing_speeds(job, first, path, letter)
+    return True
 
 
 def _put_switches(

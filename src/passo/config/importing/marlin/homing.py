@@ -5,9 +5,11 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from passo.config.importing.draft import NO_SWITCH, PROBE_SPEEDS, TWO_APPROACHES, Place, bad
+from passo.config.importing.draft import NO_STALLS, PROBE_SPEEDS, TWO_APPROACHES, Place, bad
 from passo.config.importing.marlin.arms import ARMS, FULL_TURN_DEG, put_home
 from passo.config.importing.marlin.motors import MOTORS, further_motors
+from passo.config.stalls import STALL_KINDS
+from passo.config.trinamic import chip_of
 from passo.geometry.delta import rise_mm
 
 if TYPE_CHECKING:
@@ -30,13 +32,18 @@ def put_homing(job: Job, index: int, letter: str, motor: str) -> None:
     way = defines.number(f"{axis}_HOME_DIR")
     side = "max" if delta or (way is not None and way.value > 0) else "min"
     stalls = f"{axis}_STALL_SENSITIVITY"
-    if defines.first(stalls) and defines.on("SENSORLESS_HOMING"):
+    stalled = bool(defines.first(stalls)) and defines.on("SENSORLESS_HOMING")
+    if stalled and not _put_stall(job, path, axis, side, motor):
         home = None if delta or arm else _home_position(job, axis, side)
         end = (home.value, home.place) if home else None
-        job.draft.put_no_homing(letter, end, job.place(stalls), stalls, NO_SWITCH)
+        job.draft.put_no_homing(letter, end, job.place(stalls), stalls, NO_STALLS)
         return
     place = way.place if way else None
     put((*path, "direction"), side, place)
+    if stalled:
+        _put_position(job, path, index, axis, side)
+        job.put((*path, "fast"), _homing_speed(job, index, axis), _TO_MM_S)
+        return
     by_probe = letter == "z" and side == "min" and _homes_by_probe(job) and not delta
     if by_probe:
         put(
@@ -59,6 +66,23 @@ def put_homing(job: Job, index: int, letter: str, motor: str) -> None:
     else:
         _put_position(job, path, index, axis, side)
     _put_speeds(job, path, index, axis)
+
+
+def _put_stall(job: Job, path: KeyPath, axis: str, side: str, motor: str) -> bool:
+    """Sets the stall detection of the motor's driver as the endstop; False if Passo does not set
+    the registers of the driver, or the board has no input for it."""
+    keys, tmc = job.draft.keys, ("steppers", motor, "tmc")
+    chip = (
+        chip_of(keys[("steppers", motor, "driver")][0]) if (*tmc, "run_current_a") in keys else None
+    )
+    pin = switch_pin(job, axis, side)
+    if chip not in STALL_KINDS or pin is None:
+        return False
+    job.draft.put((*tmc, STALL_KINDS[chip].pins[-1]), pin, None)
+    threshold = job.needed(f"{axis}_STALL_SENSITIVITY")
+    job.draft.put((*path, "stall", "threshold"), int(threshold.value), threshold.place)
+    job.put((*path, "stall", "current_a"), job.defines.number(f"{axis}_CURRENT_HOME"), 1e-3)
+    return True
 
 
 def _homes_by_probe(job: Job) -> bool:
