@@ -199,7 +199,7 @@ def test_an_endstop_that_never_triggers_is_named():
         s.board.force_switch("y", False)
         answer = s.host.ok("G28", 120)[-2]
         assert answer.startswith(
-            "echo:axis Y was not homed: switch y at ^Y_MIN was not triggered within 264 towards 0."
+            "echo:axis Y was not homed: switch y at ^Y_MIN was not triggered within 264 mm towards 0 mm."
         )
         assert "axis Y is not homed" in s.host.ok("G1 Y10")[0]
         assert "axis X is not homed" in s.host.ok("G1 X10")[0]  # they went together
@@ -209,7 +209,7 @@ def test_an_endstop_that_stays_triggered_is_named():
     with Scenario("i3") as s:
         s.board.force_switch("z", True)
         answer = s.host.ok("G28 Z", 120)[-2]
-        assert "switch z at ^Z_MIN is still triggered 3 away from 0" in answer
+        assert "switch z at ^Z_MIN is still triggered 3 mm away from 0 mm" in answer
         assert "axis Z is not homed" in s.host.ok("G1 Z10")[0]
 
 

@@ -59,7 +59,7 @@ def test_switch_stuck_behind_home_ends_the_search():
         sends(s, "G28", "T1", "G1 X5 F6000", "M400")  # carriage at -20
         s.board.force_switch("x", True)
         said = s.host.ok("G28 X", 60)[-2]
-        assert "switch x at ^X_MIN is still triggered 24 away from 0" in said
+        assert "switch x at ^X_MIN is still triggered 24 mm away from 0 mm" in said
         assert s.positions()["x"] == pytest.approx(4.0, abs=0.02)
         assert reported(s)["x"] == pytest.approx(29.0, abs=0.02)
         assert "axis X is not homed" in s.host.ok("G1 X10")[0]
@@ -70,7 +70,7 @@ def test_place_is_counted_when_a_switch_is_stuck(name, x):
     with Scenario(name) as s:
         sends(s, "G28", f"G1 X{x} Y30 F6000", "M400")
         s.board.force_switch("x", True)
-        assert "is still triggered 3 away" in s.host.ok("G28 X", 60)[-2]
+        assert "is still triggered 3 mm away" in s.host.ok("G28 X", 60)[-2]
         assert reported(s)["x"] == pytest.approx(x + 3, abs=0.02)
         s.board.force_switch("x", None)
         sends(s, "G28 X")

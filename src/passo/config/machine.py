@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import inf
 from typing import Any, Literal
 
@@ -223,19 +224,39 @@ class MachineConfig(Model):
     def home_point(self) -> Point:
         """The position of the nozzle in mm when all axes are at their home positions. Raises
         Unreachable."""
+        return self._point_at(self._home_of)
+
+    @property
+    def rest_point(self) -> Point:
+        """The position of the nozzle in mm after all axes have homed. Raises Unreachable."""
+        return self._point_at(self._rest_of)
+
+    def _point_at(self, position: Callable[[str], float]) -> Point:
         if not self.axes_of_arms:
-            x, y, z = (self._home_of(name) for name in "xyz")
+            x, y, z = map(position, "xyz")
             return x, y, z
-        a, b, c = (self._home_of(name) for name in self.geometry.actuators)
+        a, b, c = map(position, self.geometry.actuators)
         return self.geometry.forward((a, b, c))
 
     @property
     def home_mm(self) -> dict[str, float]:
         """The position of each axis in mm, rounded to 1e-9 mm, when all axes are at their home
         positions. Raises Unreachable."""
-        further = {name: self._home_of(name) for name in axis_order(self.axes)[3:]}
-        point = (round(mm, 9) + 0.0 for mm in self.home_point)  # no -0
+        return self._by_axis(self.home_point, self._home_of)
+
+    @property
+    def rest_mm(self) -> dict[str, float]:
+        """Like `home_mm`, after all axes have homed: an axis that homes by a stall rests off its
+        end."""
+        return self._by_axis(self.rest_point, self._rest_of)
+
+    def _by_axis(self, at: Point, position: Callable[[str], float]) -> dict[str, float]:
+        further = {name: position(name) for name in axis_order(self.axes)[3:]}
+        point = (round(mm, 9) + 0.0 for mm in at)  # no -0
         return dict(zip("xyz", point, strict=True)) | further
+
+    def _rest_of(self, name: str) -> float:
+        return self.homing[name].rest if name in self.homing else self._home_of(name)
 
     def _home_of(self, name: str) -> float:
         """The home position of an axis or an arm: at its endstop or, without one, the position in
@@ -419,7 +440,7 @@ class MachineConfig(Model):
             "name": name,
             "min": axis.min_mm,
             "max": axis.max_mm,
-            "home": self.home_mm[name],
+            "home": self.rest_mm[name],
             "speed": axis.speed_mm_s,
             "accel": axis.accel_mm_s2,
             "jerk": axis.jerk_mm_s,

@@ -515,12 +515,12 @@ class Homer:
         geometry, home = self._machine.geometry, switch.home
         arm = is_actuator(self._machine, home)
         turns = arm and home in geometry.rotary
-        unit = " degrees" if turns else ""
+        unit = " degrees" if turns else " mm"
         return CommandError.of(
             code,
             axis=f"{'arm' if turns else 'carriage' if arm else 'axis'} {home.upper()}",
             value=f"{'driver' if switch.watched else 'switch'} {switch.label} at {switch.pin}",
-            limit=f"{limit:g}{unit}",
+            limit=f"{round(limit, 2):g}{unit}",
             position=f"{self._machine.homing[home].position:g}{unit}",
         )
 

@@ -128,7 +128,7 @@ class RehearsedCommands(Commands):
         """See `Commands.settled`."""
         if not isinstance(wait, WaitForHoming):
             return
-        names, point = named_axes(self._machine, wait.letters), self._machine.home_mm
+        names, point = named_axes(self._machine, wait.letters), self._machine.rest_mm
         numbers = [number for number, name in enumerate(self._axes) if name in names]
         if "O" in wait.letters:
             lost = [number for number in self._job.locked_axes if number in numbers]

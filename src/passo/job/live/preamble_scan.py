@@ -221,7 +221,7 @@ class PreambleScan:
         self.homed_mm |= offsets
         if goes_back:
             return
-        point = machine.home_point
+        point = machine.rest_point
         job.axes.set(
             [(i, point[i] + offsets.get(n, 0.0)) for i, n in enumerate("xyz") if n in names]
         )
