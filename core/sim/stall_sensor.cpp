@@ -53,7 +53,7 @@ void StallSensor::full_step(double full_steps_s) {
   const double turns = full_steps_s / kFullStepsPerTurn;
   const double load = blocked_ ? 1 : std::min(friction / current_share(), 1.0);
   const double free = turns * kRise / (turns * kRise + 1);
-  const double share = std::max(free * (1 - load) * (1 + noise * random()) + 0.01 * random(), 0.0);
+  const double share = free * (1 - load) * (1 + noise * random()) + 0.02 + 0.01 * random();
   const double tstep = std::min(clock_hz() / (256 * full_steps_s), kTstepMost);
   const bool was = stalled_;
   if (by_silent_mode()) {
@@ -79,12 +79,12 @@ bool StallSensor::within_window(double tstep) const {
 }
 
 double StallSensor::clock_hz() const {
-  return chip_->kind() == TrinamicChip::Kind::tmc2130 ? 13.2e6 : 12e6;
+  return chip_->kind() == Kind::tmc2130 ? 13.2e6 : chip_->kind() == Kind::tmc2240 ? 12.5e6 : 12e6;
 }
 
 double StallSensor::current_share() const {
   double share = (bits(chip_->read(kIholdIrun), 8, 5) + 1) / 32.0;
-  if (chip_->kind() == TrinamicChip::Kind::tmc5160) {
+  if (chip_->kind() == Kind::tmc5160 || chip_->kind() == Kind::tmc2240) {
     const uint32_t scaler = bits(chip_->read(kScaler), 0, 8);
     return share * (scaler == 0 ? 256 : scaler) / 256;
   }

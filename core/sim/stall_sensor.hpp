@@ -61,7 +61,10 @@ class StallSensor {
   bool blocked_ = false, stalled_ = false;
   uint32_t result_ = 0, stalls_ = 0, random_ = 1;
 
-  bool by_silent_mode() const { return chip_->kind() == TrinamicChip::Kind::tmc2209; }
+  using Kind = TrinamicChip::Kind;
+  bool by_silent_mode() const {
+    return chip_->kind() == Kind::tmc2209 || chip_->kind() == Kind::tmc2226;
+  }
   double clock_hz() const;
   double current_share() const;
   double random();

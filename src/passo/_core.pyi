@@ -1344,6 +1344,50 @@ def add_uart_driver(bench: Bench, rx_pin: int, tx_pin: int, chip: TrinamicChip) 
 def add_spi_driver(bench: Bench, select_pin: int, clock_pin: int, to_device: int, from_device: int, chip: TrinamicChip) -> None:
     """Connects a driver to the SPI bus on these pins."""
 
+class StallSensor:
+    """The stall detection of a simulated motor driver."""
+
+    @property
+    def result(self) -> int:
+        """The load value; it falls as the load rises."""
+
+    @property
+    def stalls(self) -> int:
+        """How often the DIAG pin has shown a stall."""
+
+    @property
+    def friction(self) -> float:
+        """
+        The load of free travel, as a fraction of the torque with full current.
+        """
+
+    @friction.setter
+    def friction(self, arg: float, /) -> None: ...
+
+    @property
+    def noise(self) -> float:
+        """The noise of the load value, as a fraction."""
+
+    @noise.setter
+    def noise(self, arg: float, /) -> None: ...
+
+    @property
+    def stuck(self) -> bool:
+        """A fault: the pin shows a stall all the time."""
+
+    @stuck.setter
+    def stuck(self, arg: bool, /) -> None: ...
+
+def add_stall_sensor(bench: Bench, chip: TrinamicChip, step_pin: int, diag_pin: int, output: int) -> StallSensor:
+    """
+    Connects a DIAG pin of a driver, DIAG0 or DIAG1, whose motor has its actuator already.
+    """
+
+def add_travel_stop(bench: Bench, weights: Sequence[tuple[int, float]], position: float, at_maximum: bool) -> None:
+    """
+    Adds a mechanical stop at the weighted sum of actuators: (step pin, weight).
+    """
+
 class Digipot:
     """A simulated digital potentiometer that sets motor currents."""
 

@@ -191,6 +191,35 @@ def test_axis_without_a_switch_has_the_end_that_its_owner_moves_it_to(load) -> N
     assert "[probe_eddy_current a]: Passo does not read this probe" in asked
 
 
+STALL = """[tmc2209 stepper_x]
+uart_pin: PC1
+run_current: 0.8
+diag_pin: ^PA5
+driver_SGTHRS: 90
+home_current: 0.5
+"""
+
+
+def test_virtual_endstop_of_a_driver_homes_by_its_stall(load) -> None:
+    stall = "endstop_pin: ^PA5", "endstop_pin: tmc2209_stepper_x: virtual_endstop"
+    draft, machine = load(stall, more=STALL)
+    homing, driver = machine.homing["x"], machine.steppers["x"].tmc
+    assert homing.stall is not None and driver is not None
+    assert (homing.stall.threshold, homing.stall.current_a, homing.fast) == (90, 0.5, 50)
+    assert (homing.position, homing.direction, driver.diag_pin) == (0, "min", "^PA5")
+    assert not [r for r in draft.remarks if "stall" in r.text or "diag" in r.what]
+    draft, machine = load(stall, more=STALL.replace("driver_SGTHRS: 90\n", ""))
+    assert "STALL_CALIBRATE finds it" in "".join(remarks(draft, "decide"))
+    for wrong, why in (
+        ("diag_pin: ^PA5\n", "no pin that shows stalls"),
+        ("2209", "not detect stalls"),
+    ):
+        lost = STALL.replace(wrong, "" if "diag" in wrong else "2208")
+        endstop = stall[0], stall[1].replace("2209", "2209" if "diag" in wrong else "2208")
+        draft, machine = load(endstop, more=lost.replace("driver_SGTHRS: 90\n", ""))
+        assert "x" not in machine.homing and why in "".join(remarks(draft, "decide"))
+
+
 def test_amplifier_of_a_sensor_has_the_voltage_of_its_converter(load) -> None:
     for name, kind in (("PT100 INA826", "pt100-amplifier"), ("AD595", "ad595")):
         for more, volt in (("\nadc_voltage: 3.3", 3.3), ("", 5.0)):

@@ -184,7 +184,7 @@ def check_homing(data: Raw, actuators: tuple[str, ...], arms: tuple[str, ...]) -
             yield Finding("config.unknown-key", path, name, limit, did_you_mean(name, names))
         pins, by_probe = table(homing, "stepper_pins"), homing.get("probe") is True
         if ("pin" in homing) + bool(pins) + by_probe + ("stall" in homing) != 1:
-            limit = "either pin, or stall, or stepper_pins with a pin for each motor"
+            limit = "either pin, or stepper_pins with a pin for each motor, or stall"
             limit += ", or probe = true" if name == "z" else ""
             yield Finding("config.conflict", (*path, "pin"), homing.get("pin"), limit)
         if by_probe and (name != "z" or arms):

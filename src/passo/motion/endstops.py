@@ -52,7 +52,7 @@ def _stall_switches(machine: MachineConfig, home: str) -> Iterator[Switch]:
     axis moves several actuators, one of its motors stops them all."""
     motors, pins = steppers_of(machine, home), _stall_pins(machine)
     first, *others = watched_motors(machine, home)
-    if len(set(_indices(machine, motors))) > 1:
+    if len({machine.driven_by(name) for name in motors}) > 1:
         others = [name for name in motors if name in pins and name != first]
         also = tuple(map(_stall_name, others))
         yield Switch(*(_stall_name(first), home, pins[first], motors, home), (first, *others), also)
@@ -211,7 +211,7 @@ def weights_of(machine: MachineConfig, switch: Switch) -> tuple[tuple[str, float
     home; one motor for each actuator. A motor that does not move with the axis may have a weight:
     X of a hybrid CoreXY is A + Y."""
     axes, name = axis_order(machine.axes), switch.home
-    if is_actuator(machine, name) or name in axes[3:] or switch.name != name:
+    if is_actuator(machine, name) or name in axes[3:] or switch.label != name:
         return ((switch.steppers[0], 1.0),)
     geometry = machine.geometry.square
     q, k = geometry.inverse(pressed_point(machine, switch)), axes.index(name)

@@ -263,7 +263,7 @@ class Homer:
             for way in self._ways(names, everything=everything):
                 arms = is_actuator(self._machine, way.name)
                 alone = not arms and any(w.config.stall for w in (way, *batch))
-                if batch and alone or any(way.steppers & other.steppers for other in batch):
+                if (batch and alone) or any(way.steppers & other.steppers for other in batch):
                     await self._together(batch)
                     batch = []
                 batch.append(way)

@@ -9,7 +9,6 @@ from pydantic import Field
 from passo.config.trinamic.chips import CHIPS, ChipName
 from passo.config.types import Model, NotNegative, Pin, Positive
 
-
 STALL_PINS = ("diag_pin", "diag0_pin", "diag1_pin")
 
 
