@@ -2,6 +2,7 @@ import { mount } from "svelte";
 import "./styles/fonts.css";
 import "$draw/tokens.css";
 import "./styles/base.css";
+import "./styles/facts.css";
 import "$draw/draw.css";
 import App from "./App.svelte";
 

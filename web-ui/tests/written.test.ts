@@ -1,7 +1,7 @@
 /** The pages that `passo report` and `passo lab` write: opened as files. */
 
 import { spawnSync } from "node:child_process";
-import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { existsSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import type { Page } from "playwright-core";
@@ -41,7 +41,8 @@ const test = base
     return async (command: "report" | "lab", text: string, machine = "i3"): Promise<Page> => {
       const [program, written] = [join(folder, "part.gcode"), join(folder, "part.html")];
       writeFileSync(program, text);
-      spawnSync(PYTHON, ["-m", "passo", command, program, "--machine", machine, "--output", written]);
+      const done = spawnSync(PYTHON, ["-m", "passo", command, program, "--machine", machine, "--output", written]);
+      if (!existsSync(written)) throw new Error(String(done.stderr));
       const page = await context.newPage();
       page.on("console", (message) => faults.push(message.text()));
       page.on("pageerror", (error) => faults.push(String(error)));
