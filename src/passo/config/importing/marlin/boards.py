@@ -3,26 +3,20 @@
 from __future__ import annotations
 
 import re
+import tomllib
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from passo.config.board_files import load_board
 from passo.config.importing.draft import bad
-from passo.config.importing.marlin.older_boards import known_name
 from passo.errors import ConfigError
 
 if TYPE_CHECKING:
     from passo.config.board import Board, Function
     from passo.config.importing.marlin.defines import Defines
 
-_RAMPS = ("RAMPS_OLD", "RAMPS_13", "RAMPS_14", "RAMPS_14_RE_ARM", "RAMPS_PLUS")
-# Marlin's letters of what is on D10, D9 and D8, and MK4duo's.
-_ON_RAMPS = {
-    "EFB": "HFB",
-    "EEB": "HHB",
-    "EFF": "HFF",
-    "EEF": "HHF",
-    **{name: name for name in ("HFB", "HHB", "HFF", "HHF", "HHH")},
-}
+_TABLE = tomllib.loads(Path(__file__).with_name("boards.toml").read_text(encoding="utf-8"))
+_LARGE = "octopus"  # a board with many sockets
 
 
 class KnownBoard(NamedTuple):
@@ -37,65 +31,24 @@ class KnownBoard(NamedTuple):
     unknown: str = ""
 
 
-# X, Y, Z, a second Z, then the extruders.
-_OCTOPUS = tuple(f"MOTOR{number}" for number in range(8))
-_MANTA = tuple(f"M{number}" for number in range(1, 9))
+def _known(base: str, variant: str | None = None, unknown: str = "") -> KnownBoard:
+    return KnownBoard(base, variant, tuple(_TABLE["sockets"].get(base, "").split()), unknown)
 
-BOARDS: dict[str, KnownBoard] = {
-    **{
-        f"{ramps}_{letters}": KnownBoard("ramps", variant)
-        for ramps in _RAMPS
-        for letters, variant in _ON_RAMPS.items()
-    },
-    "RAMPS_CREALITY": KnownBoard("ramps", "HFB"),
-    "RAMPS_ENDER_4": KnownBoard("ramps", "HFB"),
-    "TRIGORILLA_13": KnownBoard("ramps", "HFB"),
-    "TRIGORILLA_14": KnownBoard("ramps", "HFB"),
-    "MKS_GEN_13": KnownBoard("mks-gen"),
-    "MKS_BASE": KnownBoard("mks-gen"),
-    "MKS_GEN_L": KnownBoard("mks-gen"),
-    "MKS_GEN_L_V2": KnownBoard("mks-gen-l"),
-    "MKS_GEN_L_V21": KnownBoard("mks-gen-l"),
-    "MELZI": KnownBoard("melzi"),
-    "MELZI_V2": KnownBoard("melzi"),
-    "MELZI_CREALITY": KnownBoard("melzi"),
-    "MELZI_MALYAN": KnownBoard("melzi"),
-    "MELZI_TRONXY": KnownBoard("melzi"),
-    "RADDS": KnownBoard("radds"),
-    "BTT_SKR_MINI_E3_V2_0": KnownBoard("skr-mini-e3-v2"),
-    "BTT_SKR_MINI_E3_V3_0": KnownBoard("skr-mini-e3-v3"),
-    "BTT_SKR_V1_3": KnownBoard("skr-1.3"),
-    "BTT_SKR_V1_4": KnownBoard("skr-1.4"),
-    "BTT_SKR_V1_4_TURBO": KnownBoard("skr-1.4-turbo"),
-    "BTT_SKR_V2_0_REV_A": KnownBoard("skr-2"),
-    "BTT_SKR_V2_0_REV_B": KnownBoard("skr-2"),
-    "BTT_SKR_PICO": KnownBoard("skr-pico"),
-    "BTT_OCTOPUS_V1_0": KnownBoard("octopus", sockets=_OCTOPUS),
-    "BTT_OCTOPUS_V1_1": KnownBoard("octopus", sockets=_OCTOPUS),
-    "BTT_MANTA_M8P_V1_0": KnownBoard("manta-m8p", sockets=_MANTA),
-    "BTT_MANTA_M8P_V1_1": KnownBoard("manta-m8p", sockets=_MANTA),
-    "FYSETC_SPIDER": KnownBoard("spider"),
-    "FYSETC_SPIDER_V2_2": KnownBoard("spider"),
-    "CREALITY_V4": KnownBoard("creality-4.2.2"),
-    "CREALITY_V422": KnownBoard("creality-4.2.2"),
-    "CREALITY_V427": KnownBoard("creality-4.2.7"),
-    "EINSY_RAMBO": KnownBoard("einsy-rambo"),
-    "RAMPS_FD_V1": KnownBoard("ramps-fd"),
-    "RAMPS_FD_V2": KnownBoard("ramps-fd"),
-}
+
+BOARDS = {name: _known(*file.split()) for name, file in _TABLE["boards"].items()}
 
 
 def known_board(defines: Defines, given: str | None = None) -> KnownBoard:
     """The board file of MOTHERBOARD, or the `given` one; without a file, that of a large board.
     Raises ConfigError without MOTHERBOARD."""
     if given is not None:
-        same = (known for known in BOARDS.values() if known.base == given and known.sockets)
-        return next(same, KnownBoard(given))
+        return _known(given)
     written = defines.text("MOTHERBOARD")
     if written is None:
         raise ConfigError.of("import.define", str(defines.files[0]), value="MOTHERBOARD")
-    name = known_name(written)
-    return BOARDS.get(name, KnownBoard("octopus", None, _OCTOPUS, name))
+    name = written.removeprefix("BOARD_")
+    name = _TABLE["older"].get(name, name)
+    return BOARDS.get(name) or _known(_LARGE, unknown=name)
 
 
 class Pins:

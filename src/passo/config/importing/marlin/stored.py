@@ -6,20 +6,21 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from passo.config.importing.draft import Place, bad
+from passo.config.importing.draft import Draft, Place, bad
+from passo.config.importing.marlin.conversion import TABLE
 from passo.config.importing.marlin.stored_delta import put_delta, put_trims
 from passo.config.importing.numbers import NUMBER, Read, number_of, plain
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from passo.config.importing.draft import Draft, KeyPath, Value
+    from passo.config.importing.draft import KeyPath, Value
+    from passo.errors import ConfigError
 
 _COMMAND = re.compile(r"(?:echo:|Config:)?\s*([GM]\d+)((?: +[A-Z]-?[\d.]*)*) *(?:;.*)?")
 _WORD = re.compile(r"([A-Z])(-?[\d.]*)")
 _AXES = {"X": "x", "Y": "y", "Z": "z"}
-_LIMITS = {"P": "print_accel_mm_s2", "R": "retract_accel_mm_s2", "T": "travel_accel_mm_s2"}
-_GAINS = {"P": "kp", "I": "ki", "D": "kd"}
+_OWN = ("M281", "M906")  # they change a key only if the draft has it
 # These commands set nothing in a machine, or a value that Passo has by default.
 _OTHERS = (
     "M21",
@@ -74,32 +75,31 @@ class _Line:
         match self._code:
             case "M92":
                 self._put_steps()
-            case "M201" | "M203":
-                self._put_each("accel_mm_s2" if self._code == "M201" else "speed_mm_s")
-            case "M204":
-                for letter, key in _LIMITS.items():
-                    self._set(("limits", key), self._words.get(letter))
+            case "M201" | "M203" | "M900":
+                self._rows(self._code, extruder=self._extruder())
+            case "M204" | "M281":
+                self._rows(self._code)
             case "M205":
-                self._set(("limits", "junction_deviation_mm"), self._words.get("J"))
+                self._rows("M205")
                 if self._has(("limits", "junction")) == "jerk":
-                    self._put_each("jerk_mm_s")
+                    self._rows("M205_jerk", extruder=self._extruder())
             case "M301" | "M304":
-                self._put_gains()
+                number = self._index("E")
+                heater = "bed" if self._code == "M304" else f"hotend{number or ''}"
+                if self._has(("heaters", heater, "control", "kind")) == "pid":
+                    self._rows("M301", heater=heater)
             case "M851":
                 self._put_probe()
-            case "M900":
-                self._set(("extruders", self._extruder(), "advance_s"), self._words.get("K"))
             case "M593":
-                self._put_shaper()
+                for axis in "xyz":
+                    if axis.upper() in self._words:
+                        self._rows("M593", axis=axis)
             case "M425":
                 self._put_backlash()
             case "M206":
                 self._put_home_offsets()
             case "M218":
                 self._put_nozzle()
-            case "M281":
-                self._set_own(("probe", "deploy_deg"), self._words.get("L"))
-                self._set_own(("probe", "stow_deg"), self._words.get("U"))
             case "M665" if self._is_delta():
                 put_delta(self._draft, self._words, self._place)
             case "M666" if self._is_delta():
@@ -109,6 +109,31 @@ class _Line:
             case code:
                 if code not in _OTHERS:
                     self._drop(self._words)
+
+    def value(self, option: str, unit: str) -> tuple[Value, Place] | None:
+        """The value of a word, which is the last letter of the option; None without it."""
+        found = self._words.get(option[-1])
+        return None if found is None else (found, self._place)
+
+    def at(self, option: str) -> Place:
+        """The place of the command."""
+        return self._place
+
+    def what(self, option: str) -> str:
+        """The name of a word in a report."""
+        return option.replace("/", " ")
+
+    def lacks(self, option: str, why: str) -> ConfigError:
+        """The error of a missing word."""
+        return bad(self._place, self.what(option), "missing", why)
+
+    def _rows(self, group: str, **names: str) -> None:
+        """Sets the keys of a group of the table whose own table the draft has."""
+        found = Draft()
+        TABLE.put(found, group, self, names)
+        for path, (value, _) in found.keys.items():
+            if self._code not in _OWN or path in self._draft.keys:
+                self._set(path, value)
 
     def _drop(self, words: Mapping[str, float]) -> None:
         written = " ".join(f"{word}{value:g}" for word, value in words.items())
@@ -123,14 +148,9 @@ class _Line:
     def _has(self, path: KeyPath) -> Value | None:
         return self._draft.keys.get(path, (None, None))[0]
 
-    def _set(self, path: KeyPath, value: float | None) -> None:
+    def _set(self, path: KeyPath, value: Value | None) -> None:
         """Sets a key of a table that the draft has."""
         if value is not None and any(key[:-1] == path[:-1] for key in self._draft.keys):
-            self._draft.put(path, value, self._place)
-
-    def _set_own(self, path: KeyPath, value: float | None) -> None:
-        """Sets a key that the draft has."""
-        if value is not None and path in self._draft.keys:
             self._draft.put(path, value, self._place)
 
     def _extruder(self) -> str:
@@ -143,26 +163,12 @@ class _Line:
         return Read(self._words.get(letter, 0.0), name, self._place).whole(0, 99)
 
     def _put_steps(self) -> None:
+        steppers = {key[1] for key in self._draft.keys if key[0] == "steppers"}
         for letter, axis in _AXES.items():
-            motor = self._motors[axis]
-            names = {key[1] for key in self._draft.keys if key[0] == "steppers"}
-            for name in names:
-                if re.fullmatch(rf"{motor}\d*", name):
-                    self._set(("steppers", name, "steps_per_mm"), self._words.get(letter))
-        self._set(("steppers", self._extruder(), "steps_per_mm"), self._words.get("E"))
-
-    def _put_each(self, key: str) -> None:
-        for letter, axis in _AXES.items():
-            self._set(("axes", axis, key), self._words.get(letter))
-        self._set(("extruders", self._extruder(), key), self._words.get("E"))
-
-    def _put_gains(self) -> None:
-        number = self._index("E")
-        heater = "bed" if self._code == "M304" else f"hotend{number or ''}"
-        path = ("heaters", heater, "control")
-        if self._has((*path, "kind")) == "pid":
-            for letter, gain in _GAINS.items():
-                self._set((*path, gain), self._words.get(letter))
+            for name in steppers:
+                if re.fullmatch(rf"{self._motors[axis]}\d*", name):
+                    self._rows("M92", letter=letter, name=name)
+        self._rows("M92", letter="E", name=self._extruder())
 
     def _put_probe(self) -> None:
         """Sets the trigger height from the Z offset, which is below 0, and shifts the descent with
@@ -213,30 +219,14 @@ class _Line:
         self._draft.put(("tools",), new, self._place if any(at) else place)
 
     def _put_currents(self) -> None:
-        """Sets the currents of the drivers, which Marlin counts in mA. I 1 is the second motor of
-        an axis."""
-        further = self._words.get("I", 0.0)
-        suffix = f"{self._index('I')}" if further > 0 else ""
-        for letter, axis in _AXES.items():
-            path = ("steppers", f"{self._motors[axis]}{suffix}", "tmc", "run_current_a")
-            self._set_current(path, self._words.get(letter))
-        path = ("steppers", self._extruder(), "tmc", "run_current_a")
-        self._set_current(path, self._words.get("E"))
-
-    def _set_current(self, path: KeyPath, milliampere: float | None) -> None:
-        if milliampere is not None:
-            self._set_own(path, plain(milliampere / 1000))
+        """Sets the currents of the drivers. I 1 is the second motor of an axis."""
+        suffix = f"{self._index('I')}" if self._words.get("I", 0.0) > 0 else ""
+        motors = {axis: f"{motor}{suffix}" for axis, motor in self._motors.items()}
+        self._rows("M906", extruder=self._extruder(), **motors)
 
     def _put_backlash(self) -> None:
-        share = self._words.get("F", 1.0)
-        for letter in "xyz":
-            gap = self._words.get(letter.upper())
-            if gap is not None:
-                self._set(("backlash", f"{letter}_mm"), plain(gap * share))
-        self._set(("backlash", "smooth_mm"), self._words.get("S"))
-
-    def _put_shaper(self) -> None:
-        for letter in "xyz":
-            if letter.upper() in self._words:
-                self._set(("shaping", letter, "frequency_hz"), self._words.get("F"))
-                self._set(("shaping", letter, "damping"), self._words.get("D"))
+        fraction = self._words.get("F", 1.0)
+        for letter, axis in _AXES.items():
+            gap = self._words.get(letter)
+            self._set(("backlash", f"{axis}_mm"), None if gap is None else plain(gap * fraction))
+        self._rows("M425")
