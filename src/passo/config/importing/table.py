@@ -18,12 +18,12 @@ from pydantic import BaseModel, ConfigDict
 
 from passo.config.importing.draft import Value
 from passo.config.importing.numbers import plain
+from passo.errors import ConfigError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from passo.config.importing.draft import Draft, KeyPath, Place
-    from passo.errors import ConfigError
 
 # Units whose numbers get a factor. A number of any other unit is the same in the machine file.
 FACTORS = {
@@ -90,15 +90,18 @@ class Source(Protocol):
 
     def at(self, option: str) -> Place | None:
         """The place of an option, or of its default. The option counts as read."""
-        ...
+        found = self.value(option, "text")
+        return found[1] if found else None
 
     def what(self, option: str) -> str:
         """The name of an option in a report."""
-        ...
+        return option.partition("#")[0].replace("/", " ")
 
     def lacks(self, option: str, why: str) -> ConfigError:
         """The error of a missing option."""
-        ...
+        place, key = self.at(option), self.what(option)
+        file, line = (place.file, place.line) if place else ("", None)
+        return ConfigError.of("config.missing-key", file, line, key=key, limit=why)
 
 
 class Table:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from passo.config.importing.draft import Place, Value
 from passo.config.importing.numbers import plain
-from passo.config.importing.table import FACTORS, table_of
+from passo.config.importing.table import FACTORS, Source, table_of
 from passo.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ class Job:
         self.draft.dropped(self.place(name), name, text)
 
 
-class _Source:
+class _Source(Source):
     """The defines as a source of rows. `NAME#1` is the second number of an array, or its last one.
     A missing define is an error of the place, if there is one, else of the file."""
 
@@ -122,17 +122,12 @@ class _Source:
         name = option.partition("#")[0]
         return self._defines.place(name) if self._defines.first(name) else None
 
-    def what(self, option: str) -> str:
-        """The name of a define in a report."""
-        return option.partition("#")[0]
-
     def lacks(self, option: str, why: str) -> ConfigError:
         """The error of a missing define."""
-        if self._place is None:
-            return self._job.lacks(self.what(option))
-        file, line = self._place.file, self._place.line
-        key = self.what(option)
-        return ConfigError.of("config.missing-key", file, line, key=key, limit=why)
+        key, place = self.what(option), self._place
+        if place is None:
+            return self._job.lacks(key)
+        return ConfigError.of("config.missing-key", place.file, place.line, key=key, limit=why)
 
 
 def _number(read: Read, word: str, unit: str) -> Value:

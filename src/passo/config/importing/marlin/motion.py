@@ -73,44 +73,36 @@ def put_motion(job: Job) -> None:
 
 
 def _kind(job: Job) -> str:
+    """The define of the kind of machine. Raises ConfigError for one that Passo does not have."""
     defines = job.defines
     mechanism = (defines.text("MECHANISM") or "").removeprefix("MECH_")
-    for name in (*_KINDS, *_OTHER_KINDS):
-        if defines.on(name) or mechanism == name:
-            if name in _KINDS:
-                return name
-            place = defines.place(name if name in defines.found else "MECHANISM")
-            limit = ", ".join(("cartesian", *_KINDS))
-            raise ConfigError.of(
-                "import.kinematics", place.file, place.line, value=name, limit=limit
-            )
-    if mechanism not in ("", "CARTESIAN"):
-        place = defines.place("MECHANISM")
-        limit = ", ".join(("cartesian", *_KINDS))
-        raise ConfigError.of(
-            "import.kinematics", place.file, place.line, value=mechanism, limit=limit
-        )
-    return "MECHANISM"
+    named = (name for name in (*_KINDS, *_OTHER_KINDS) if defines.on(name) or mechanism == name)
+    chosen = next(named, mechanism)
+    if chosen in _KINDS:
+        return chosen
+    if chosen in ("", "CARTESIAN"):
+        return "MECHANISM"
+    place = defines.place(chosen if chosen in defines.found else "MECHANISM")
+    limit = ", ".join(("cartesian", *_KINDS))
+    raise ConfigError.of("import.kinematics", place.file, place.line, value=chosen, limit=limit)
 
 
 def _put_delta(job: Job) -> None:
     put, defines = job.draft.put, job.defines
-    radius = job.needed("DELTA_RADIUS")
     rod = job.needed("DELTA_DIAGONAL_ROD")
-    reach = job.needed("PRINTABLE_RADIUS", "DELTA_PRINTABLE_RADIUS")
+    job.rows("delta")
+    radius = job.draft.number(("geometry", "radius"))
     trims = defines.numbers("DELTA_DIAGONAL_ROD_TRIM_TOWER")
     turns = defines.numbers("DELTA_TOWER_ANGLE_TRIM")
-    job.put(("geometry", "radius"), radius)
     rods = [plain(rod.value + (trims[i].value if trims else 0.0)) for i in range(3)]
     put(("geometry", "rods"), [*rods], rod.place)
     angles = [angle + (turns[i].value if turns else 0.0) for i, angle in enumerate(ANGLES)]
     put(("geometry", "angles"), [*angles], turns[0].place if turns else None)
-    job.put(("geometry", "limit_radius"), reach)
     radii = defines.numbers("DELTA_RADIUS_TRIM_TOWER")
     if radii and any(one.value for one in radii):
         job.dropped("DELTA_RADIUS_TRIM_TOWER", "all towers have one radius: calibrate with G33")
-    if rod.value <= radius.value:
-        limit = f"more than the radius of {radius.value:g} mm"
+    if rod.value <= radius:
+        limit = f"more than the radius of {radius:g} mm"
         raise bad(rod.place, rod.name, f"{rod.value:g}", limit)
 
 

@@ -10,12 +10,12 @@ from passo.config.importing.draft import Draft, Place, bad
 from passo.config.importing.marlin.conversion import TABLE
 from passo.config.importing.marlin.stored_delta import put_delta, put_trims
 from passo.config.importing.numbers import NUMBER, Read, number_of, plain
+from passo.config.importing.table import Source
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from passo.config.importing.draft import KeyPath, Value
-    from passo.errors import ConfigError
 
 _COMMAND = re.compile(r"(?:echo:|Config:)?\s*([GM]\d+)((?: +[A-Z]-?[\d.]*)*) *(?:;.*)?")
 _WORD = re.compile(r"([A-Z])(-?[\d.]*)")
@@ -56,7 +56,7 @@ def put_stored(draft: Draft, text: str, name: str, motors: Mapping[str, str]) ->
         _Line(draft, found[1], words, place, motors).put()
 
 
-class _Line:
+class _Line(Source):
     """A command with its words."""
 
     def __init__(
@@ -114,18 +114,6 @@ class _Line:
         """The value of a word, which is the last letter of the option; None without it."""
         found = self._words.get(option[-1])
         return None if found is None else (found, self._place)
-
-    def at(self, option: str) -> Place:
-        """The place of the command."""
-        return self._place
-
-    def what(self, option: str) -> str:
-        """The name of a word in a report."""
-        return option.replace("/", " ")
-
-    def lacks(self, option: str, why: str) -> ConfigError:
-        """The error of a missing word."""
-        return bad(self._place, self.what(option), "missing", why)
 
     def _rows(self, group: str, **names: str) -> None:
         """Sets the keys of a group of the table whose own table the draft has."""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from passo.config.importing.draft import Place, Value, bad
 from passo.config.importing.numbers import NUMBER, number_of
+from passo.config.importing.table import Source
 from passo.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ class Command(NamedTuple):
     place: Place
 
 
-class ConfigG:
+class ConfigG(Source):
     """A file as a source of rows. The option `M308/S1/P` is the word P of the last M308 S1."""
 
     def __init__(self, text: str, file: str) -> None:
@@ -102,13 +103,9 @@ class ConfigG:
         """The place of a word; the start of the file without it."""
         return self.words.get(option.partition("#")[0], ("", self._end))[1]
 
-    def what(self, option: str) -> str:
-        """The name of a word in a report."""
-        return option.replace("/", " ")
-
     def lacks(self, option: str, why: str) -> ConfigError:
         """The error of a missing word."""
-        key = self.what(option.partition("#")[0])
+        key = self.what(option)
         return ConfigError.of("config.missing-key", self._end.file, None, key=key, limit=why)
 
     def named(self, code: str, letter: str) -> Iterator[int]:
