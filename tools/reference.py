@@ -16,12 +16,14 @@ from tools.references import (
 )
 
 from passo.config import sensor_names
+from passo.config.importing.aprinter import reference as aprinter_reference
 from passo.config.importing.klipper import reference as klipper_reference
 from passo.config.importing.marlin import reference as marlin_reference
 from passo.config.importing.rrf import reference as rrf_reference
 
 FOLDER = Path(__file__).parents[1] / "docs" / "reference"
 PAGES = {
+    "aprinter-values.md": aprinter_reference.reference,
     "boards.md": boards.reference,
     "errors.md": errors.reference,
     "gcode.md": commands.reference,

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from passo.config.importing.draft import Draft, KeyPath, Place
+    from passo.config.importing.numbers import Read
 
 # Units whose numbers get a factor. A number of any other unit is the same in the machine file.
 FACTORS = {
@@ -33,6 +34,7 @@ FACTORS = {
     "of 255": 1 / 255,
     "s, as µs": 1e6,
     "min": 60.0,
+    "per full power": 255.0,
 }
 INVERSE = "s, as Hz"
 # Units of values that are not numbers, or not only one; an importer may have more.
@@ -184,6 +186,13 @@ def converted(value: Value, unit: str) -> Value:
         if unit == INVERSE:
             return float(f"{1 / value:.6g}") if value else None or 0.0
     return value
+
+
+def number_in(read: Read, unit: str) -> float | int:
+    """A number in a unit; in `count 1 to 256` a whole number within limits. Raises ConfigError."""
+    if unit.startswith("count"):
+        return read.whole(*(int(part) for part in unit.split() if part.isdigit()))
+    return float(read.value) if unit in FACTORS else plain(read.value)
 
 
 def report(draft: Draft, row: Row, place: Place, what: str) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from bisect import bisect_left
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -14,8 +15,9 @@ from passo.errors import ConfigError
 if TYPE_CHECKING:
     from pathlib import Path
 
-_SPACE = re.compile(r"[ \t\r\n]*")
-_SCALAR = re.compile(r'"(?:[^"\\\n]|\\.)*"|-?[\d.][\d.eE+-]*|true|false|null')
+_TOKEN = re.compile(  # a sign, or a scalar
+    r'[ \t\r\n]*([{}\[\]:,]|"(?:[^"\\\n]|\\.)*"|-?[\d.][\d.eE+-]*|true|false|null|\Z)'
+)
 _OPTION = re.compile(r"(?:M926 I)?([A-Za-z]\w*)(?:=| V)(\S*)")
 _MAX_DEPTH = 40
 KIND = "_compoundName"  # the key that names the kind of an object
@@ -130,80 +132,62 @@ def document(text: str, path: Path) -> Node:
 
 
 class _Reader:
-    """Reads JSON by recursive descent, counting lines."""
+    """Reads JSON by recursive descent, with the line of each value."""
 
     def __init__(self, text: str, path: Path) -> None:
         self._text, self._name, self._at = text, path.name, 0
-        self._line, self._counted = 1, 0
+        self._ends = [found.start() for found in re.finditer("\n", text)]
 
     def whole(self) -> Node:
         """The only value of the text."""
-        node = self._value(0)
-        self._skip()
-        if self._at != len(self._text):
-            raise self._wrong()
+        node = self._value(self._take(), 0)
+        if self._take():
+            raise self._wrong(self._at - 1)
         return node
 
-    def _place(self) -> Place:
-        self._line += self._text.count("\n", self._counted, self._at)
-        self._counted = self._at
-        return Place(self._name, self._line)
-
-    def _wrong(self) -> ConfigError:
-        place = self._place()
-        value = self._text[self._at : self._at + 20].split("\n")[0]
-        return bad(place, "the document", value, "JSON, as APrinter's editor exports it")
-
-    def _skip(self) -> str:
-        """The next character that is not a space; empty at the end."""
-        space = _SPACE.match(self._text, self._at)
-        self._at = space.end() if space else self._at
-        return self._text[self._at : self._at + 1]
-
-    def _take(self, sign: str) -> None:
-        if self._skip() != sign:
-            raise self._wrong()
-        self._at += 1
-
-    def _value(self, depth: int) -> Node:
-        first = self._skip()
-        if depth == _MAX_DEPTH:
-            raise self._wrong()
-        node = Node(self._place())
-        if first == "{":
-            self._at += 1
-            while self._skip() != "}":
-                key = self._scalar()
-                if not isinstance(key, str):
-                    raise self._wrong()
-                self._take(":")
-                node.fields[key] = self._value(depth + 1)
-                self._comma("}")
-            self._at += 1
-        elif first == "[":
-            self._at += 1
-            while self._skip() != "]":
-                node.items.append(self._value(depth + 1))
-                self._comma("]")
-            self._at += 1
-        else:
-            node.scalar = self._scalar()
-        return node
-
-    def _comma(self, end: str) -> None:
-        if self._skip() == ",":
-            self._at += 1
-        elif self._skip() != end:
-            raise self._wrong()
-
-    def _scalar(self) -> Scalar:
-        self._skip()
-        found = _SCALAR.match(self._text, self._at)
-        try:
-            if found is None:
-                raise ValueError
-            value = json.loads(found[0])
-        except ValueError:
-            raise self._wrong() from None
+    def _take(self) -> str:
+        """The next sign or scalar; empty at the end."""
+        found = _TOKEN.match(self._text, self._at)
+        if found is None:
+            raise self._wrong(self._at)
         self._at = found.end()
-        return value
+        return found[1]
+
+    def _value(self, token: str, depth: int) -> Node:
+        start = self._at - len(token)
+        node = Node(self._place(start))
+        if depth == _MAX_DEPTH:
+            raise self._wrong(start)
+        if token not in ("{", "["):
+            node.scalar = self._scalar(token)
+            return node
+        end, token = {"{": "}", "[": "]"}[token], self._take()
+        while token != end:
+            if end == "]":
+                node.items.append(self._value(token, depth + 1))
+            else:
+                key = self._scalar(token)
+                if not isinstance(key, str) or self._take() != ":":
+                    raise self._wrong(self._at - 1)
+                node.fields[key] = self._value(self._take(), depth + 1)
+            token = self._take()
+            if token == ",":
+                token = self._take()
+            elif token != end:
+                raise self._wrong(self._at - len(token))
+        return node
+
+    def _scalar(self, token: str) -> Scalar:
+        try:
+            return json.loads(token)
+        except ValueError:
+            raise self._wrong(self._at - len(token)) from None
+
+    def _place(self, at: int) -> Place:
+        return Place(self._name, bisect_left(self._ends, at) + 1)
+
+    def _wrong(self, at: int) -> ConfigError:
+        at += len(self._text[at:]) - len(self._text[at:].lstrip(" \t\r\n"))
+        value = self._text[at : at + 20].split("\n")[0]
+        limit = "JSON, as APrinter's editor exports it"
+        return bad(self._place(at), "the document", value, limit)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from passo.config.importing.aprinter.arms import ARMS, put_arms, put_home
 from passo.config.importing.aprinter.boards import Pins
-from passo.config.importing.aprinter.conversion import Job
+from passo.config.importing.aprinter.conversion import TABLE, Job
 from passo.config.importing.aprinter.document import (
     Node,
     Stored,
@@ -17,13 +17,12 @@ from passo.config.importing.aprinter.document import (
 from passo.config.importing.aprinter.heat import heater_name, put_heat
 from passo.config.importing.draft import Draft, bad
 from passo.config.importing.sources import MAX_BYTES, Sources
+from passo.config.importing.table import report
 from passo.errors import ConfigError
 from passo.geometry.delta import rise_mm
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-    from passo.config.importing.draft import KeyPath
 
 _KINDS = {  # of a transform: the kind of Passo's geometry
     "NoTransform": "cartesian",
@@ -35,7 +34,6 @@ _KINDS = {  # of a transform: the kind of Passo's geometry
     "RotationalDelta": "rotary_delta",
 }
 _HOOKS = {"After homing": "after_homing", "After bed probing": "after_probing"}
-_TOWERS = ("a", "b", "c")
 
 
 def imported(path: Path, stored: Path | None = None, *, board: str | None = None) -> Draft:
@@ -50,12 +48,13 @@ def imported(path: Path, stored: Path | None = None, *, board: str | None = None
     draft.put_head(path, config.text("name"))
     _put_motion(job)
     _put_probe(job)
-    put_heat(config, job.pins, options, draft)
+    put_heat(job)
     _put_cold(job)
     _put_moves(job)
-    if config.each("lasers"):
-        draft.decide(config.within("lasers").place, "lasers", "give [laser] by hand")
-    job.put_number(("idle", "motors_off_s"), config, "InactiveTime", "InactiveTime")
+    for key, row in TABLE.notes("values").items():
+        if config.each(key):
+            report(draft, row, config.within(key).place, key)
+    job.rows("machine", config)
     draft.put(("board", "base"), job.pins.base, config.within("board").place)
     text = "the board is simulated until [board] has link and port. It needs Passo's firmware"
     draft.decide(config.within("board").place, "board", f"{text}: passo firmware flash")
@@ -87,18 +86,11 @@ def _put_motion(job: Job) -> None:
     elif kind in ARMS:
         taken = put_arms(job, transform)
         for arm in taken:
-            homing = arm.get("homing")
-            if homing is not None and homing.kind == "homing":
-                letter = arm.text("Name")
-                _put_homing(job, job.motors[letter], letter, homing, arm)
+            _put_homing(job, job.motors[arm.text("Name")], arm)
         put_home(job, transform)
-    else:
-        for index, motor in enumerate("ab" if kind == "CoreXY" else ""):
-            written = transform.get("Steppers", f"TransformStepper{index}", "StepperName")
-            taken.append(job.stepper(written))
-            job.motors[taken[-1].text("Name")] = motor
-        if kind == "CoreXY":
-            _put_virtual_axes(job, transform, taken, "XY")
+    elif kind == "CoreXY":
+        taken = job.transform_steppers(transform, "ab")
+        _put_virtual_axes(job, transform, taken, "XY")
     for axis in transform.each("IdentityAxes"):
         stepper = job.stepper(axis.get("StepperName"))
         taken.append(stepper)
@@ -117,18 +109,15 @@ def _put_virtual_axes(job: Job, transform: Node, steppers: list[Node], letters: 
     accel = min(accels, key=lambda found: found.value)
     for index, _ in enumerate(letters):
         node = transform.within("CartesianAxes", f"VirtualAxis{index}")
-        name = node.text("Name")
-        path = ("axes", name.lower())
-        job.put_axis_limits(path, node)
-        job.put((*path, "accel_mm_s2"), accel)
-        homing = node.get("homing")
-        if homing is not None and homing.kind == "homing" and transform.kind == "CoreXY":
-            _put_homing(job, name.lower(), name, homing, node)
+        letter = node.text("Name")
+        job.rows("virtual_axis", node, letter, name=letter.lower())
+        job.put(("axes", letter.lower(), "accel_mm_s2"), accel)
+        if transform.kind == "CoreXY":
+            _put_homing(job, letter.lower(), node)
 
 
 def _put_delta(job: Job, transform: Node) -> list[Node]:
-    names = [transform.get("Steppers", f"TransformStepper{i}", "StepperName") for i in range(3)]
-    steppers = [job.stepper(name) for name in names]
+    steppers, put = job.transform_steppers(transform, "abc"), job.draft.put
     offsets = [
         job.stored.needed(transform, key, f"Delta{key}")
         for key in ("SmoothRodOffset", "EffectorOffset", "CarriageOffset")
@@ -139,38 +128,25 @@ def _put_delta(job: Job, transform: Node) -> list[Node]:
     words = [f"DiagonalRodCorr{i}" for i in (1, 2, 3)]
     more = [job.stored.number(transform, word, f"Delta{word}") for word in words]
     rods = [rod.value + (one.value if one else 0.0) for one in more]
-    put = job.draft.put
     put(("geometry", "radius"), radius, offsets[0].place)
     put(("geometry", "rods"), [*rods], rod.place)
-    limit = job.stored.needed(transform, "LimitRadius", "DeltaLimitRadius")
-    job.put(("geometry", "limit_radius"), limit)
+    job.rows("delta", transform, "Delta")
     _put_virtual_axes(job, transform, steppers, "XYZ")
     tops: list[float] = []
-    for tower, stepper, length in zip(_TOWERS, steppers, rods, strict=True):
-        name = stepper.text("Name")
-        job.motors[name] = tower
-        path = ("steppers", tower)
-        for key, word in (
-            ("min_mm", "MinPos"),
-            ("max_mm", "MaxPos"),
-            ("speed_mm_s", "MaxSpeed"),
-            ("accel_mm_s2", "MaxAccel"),
-        ):
-            job.put_number((*path, key), stepper, word, f"{name}{word}")
+    for tower, stepper, length in zip("abc", steppers, rods, strict=True):
+        job.rows("tower", stepper, stepper.text("Name"), name=tower)
         if length <= radius:
             raise bad(rod.place, "DiagonalRod", f"{length:g}", f"more than {radius:g}")
-        homing = stepper.get("homing")
-        if homing is not None and homing.kind == "homing":
-            _put_homing(job, tower, name, homing, stepper)
-            end = job.draft.number(("homing", tower, "position"))
-            tops.append(end - rise_mm(length, radius))
+        if _put_homing(job, tower, stepper):
+            tops.append(job.draft.number(("homing", tower, "position")) - rise_mm(length, radius))
     for axis in "xy":
         put(("axes", axis, "home_mm"), 0.0, None)
     if tops:
         top = min(min(tops), job.draft.number(("axes", "z", "max_mm")))
         put(("axes", "z", "home_mm"), round(top, 6), None)
+    reach = job.draft.number(("geometry", "limit_radius"))
     put(("bed", "round"), True, None)
-    put(("bed", "size_mm"), [2 * limit.value, 2 * limit.value], limit.place)
+    put(("bed", "size_mm"), [2 * reach, 2 * reach], job.draft.keys["geometry", "limit_radius"][1])
     put(("bed", "center_mm"), [0.0, 0.0], None)
     return steppers
 
@@ -181,53 +157,42 @@ def _put_axis(job: Job, name: str, stepper: Node, identity: Node | None) -> None
     letter = stepper.text("Name")
     job.motors[letter] = name
     extruder = stepper.flag("IsExtruder")
-    path: KeyPath = ("extruders" if extruder and name == "e" else "axes", name)
-    if extruder and name != "e":
-        job.draft.put((*path, "extruder"), True, stepper.within("IsExtruder").place)
+    if extruder and name == "e":
+        job.rows("extruder", stepper, letter, name=name)
+        return
+    if extruder:
+        job.draft.put(("axes", name, "extruder"), True, stepper.within("IsExtruder").place)
+    else:
+        job.rows("travel", stepper, letter, name=name)
+        job.rows("travel", identity and identity.get("Limits"), letter, name=name)
+    job.rows("axis", stepper, letter, name=name)
     if not extruder:
-        for key, word in (("min_mm", "MinPos"), ("max_mm", "MaxPos")):
-            limits = identity.get("Limits") if identity else None
-            node = limits if limits and limits.get(word) else stepper
-            job.put_number((*path, key), node, word, f"{letter}{word}")
-    for key, word in (("speed_mm_s", "MaxSpeed"), ("accel_mm_s2", "MaxAccel")):
-        job.put((*path, key), job.stored.needed(stepper, word, f"{letter}{word}"))
-    if path[0] == "axes":
-        corner = job.stored.number(stepper, "CorneringDistance", f"{letter}CorneringDistance")
-        job.put((*path, "cornering_distance_steps"), corner)
-    homing = stepper.get("homing")
-    if homing is not None and homing.kind == "homing" and not extruder:
-        _put_homing(job, name, letter, homing, stepper)
+        _put_homing(job, name, stepper)
 
 
 def _put_motors(job: Job, stepper: Node) -> None:
     letter = stepper.text("Name")
-    name = job.motors[letter]
+    delay = stepper.get("delay")
     for number, slave in enumerate(stepper.each("slave_steppers")):
-        path = ("steppers", f"{name}{number}" if number else name)
-        steps = job.stored.needed(stepper, "StepsPerUnit", f"{letter}StepsPerUnit")
-        turns = letter in job.arms
-        job.put((*path, "steps_per_degree" if turns else "steps_per_mm"), steps)
+        name = f"{job.motors[letter]}{number or ''}"
+        job.rows("arm_steps" if letter in job.arms else "steps", stepper, letter, name=name)
         port = slave.within("stepper_port")
         for key, value in job.pins.motor(port).items():
-            job.draft.put((*path, key), value, port.place)
-        prefix = f"{letter}S{number}" if number else letter
-        if job.stored.flag(slave, "InvertDir", f"{prefix}InvertDir"):
-            job.draft.put((*path, "invert"), True, slave.within("InvertDir").place)
-        current = job.stored.number(slave, "Current", f"{prefix}Current")
-        if current is not None and current.value > 0:
-            job.put((*path, "peak_current_a"), current, 1e-3)
+            job.draft.put(("steppers", name, key), value, port.place)
+        job.rows("slave", slave, f"{letter}S{number}" if number else letter, name=name)
         micro = job.stored.number(slave, "MicroSteps")
         if micro is not None and micro.value > 0:
-            job.draft.put((*path, "microsteps"), micro.whole(1, 256), micro.place)
-        delay = stepper.get("delay")
+            job.draft.put(("steppers", name, "microsteps"), micro.whole(1, 256), micro.place)
         if delay is not None and delay.kind == "Delay":
-            job.put_number((*path, "pulse_us"), delay, "StepHighTime")
-            job.put_number((*path, "direction_setup_us"), delay, "DirSetTime")
+            job.rows("delay", delay, None, name=name)
 
 
-def _put_homing(job: Job, name: str, letter: str, homing: Node, limits: Node) -> None:
-    """Converts the homing of an axis. Its end is the limit plus the offset; a virtual axis has no
-    offset."""
+def _put_homing(job: Job, name: str, limits: Node) -> bool:
+    """Converts the homing of an axis or a stepper, if it has one. Its end is the limit plus the
+    offset; a virtual axis has no offset."""
+    homing, letter = limits.get("homing"), limits.text("Name")
+    if homing is None or homing.kind != "homing":
+        return False
     path, stored = ("homing", name), job.stored
     upward = stored.flag(homing, "HomeDir", f"{letter}HomeDir")
     word = "MaxPos" if upward else "MinPos"
@@ -239,16 +204,11 @@ def _put_homing(job: Job, name: str, letter: str, homing: Node, limits: Node) ->
     position = end.value + (offset.value if offset else 0.0)
     job.draft.put((*path, "position"), position, end.place)
     job.draft.put((*path, "pin"), job.pins.switch(place, inverted), place.place)
-    for key, word in (
-        ("fast", "HomeFastSpeed"),
-        ("retract", "HomeRetractDist"),
-        ("slow", "HomeSlowSpeed"),
-        ("max_travel", "HomeFastMaxDist"),
-    ):
-        job.put_number((*path, key), homing, word, f"{letter}{word}")
+    job.rows("homing", homing, letter, name=name)
     default = homing.get("ByDefault")
     if default is not None and not stored.flag(homing, "ByDefault", f"{letter}HomeByDefault"):
         job.draft.put((*path, "by_default"), False, default.place)
+    return True
 
 
 def _put_probe(job: Job) -> None:
@@ -266,16 +226,7 @@ def _put_probe(job: Job) -> None:
     put((*path, "offset_mm"), [-one.value for one in offset], offset[0].place)
     height = stored.needed(probe, "GeneralZOffset", "ProbeGeneralZOffset")
     job.put((*path, "trigger_height_mm"), height, -1.0)
-    for key, word in (
-        ("start_mm", "StartHeight"),
-        ("low_mm", "LowHeight"),
-        ("retract_mm", "RetractDist"),
-        ("travel_mm_s", "MoveSpeed"),
-        ("fast_mm_s", "FastSpeed"),
-        ("lift_mm_s", "RetractSpeed"),
-        ("slow_mm_s", "SlowSpeed"),
-    ):
-        job.put_number((*path, key), probe, word, f"Probe{word}")
+    job.rows("probe", probe, "Probe")
     points: list[Any] = []
     for number, node in enumerate(probe.each("ProbePoints"), 1):
         at = [stored.needed(node, axis, f"ProbeP{number}{axis}") for axis in "XY"]
@@ -319,10 +270,8 @@ def _put_moves(job: Job) -> None:
         if not at:
             continue
         job.draft.put((*path, "position_mm"), {**at}, move.place)
-        job.put_number((*path, "speed_mm_s"), move, "Speed", f"Move{number}Speed")
+        job.rows("move", move, f"Move{number}", name=path[1])
         job.draft.put((*path, "hook"), hook, move.place)
-        priority = job.stored.number(move, "HookPriority")
-        if priority is not None:
-            job.draft.put((*path, "priority"), priority.whole(0, 1000), priority.place)
+        job.rows("hook", move, None, name=path[1])
         if not job.stored.flag(move, "Enabled", f"Move{number}Enabled"):
             job.draft.put((*path, "enabled"), False, move.place)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from passo.config.importing.draft import Place, Value
 from passo.config.importing.numbers import plain
-from passo.config.importing.table import FACTORS, Source, table_of
+from passo.config.importing.table import Source, number_in, table_of
 from passo.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -111,10 +111,10 @@ class _Source(Source):
                 value = self._defines.text(name)
             case "pin":
                 value = self._job.pins.given(name)
-            case word:
+            case _:
                 found = self._defines.numbers(name) if index else [self._defines.number(name)]
                 read = found[min(int(index or 0), len(found) - 1)] if found else None
-                value = None if read is None else _number(read, word, unit)
+                value = None if read is None else number_in(read, unit)
         return None if value is None else (value, self._defines.place(name))
 
     def at(self, option: str) -> Place | None:
@@ -128,10 +128,3 @@ class _Source(Source):
         if place is None:
             return self._job.lacks(key)
         return ConfigError.of("config.missing-key", place.file, place.line, key=key, limit=why)
-
-
-def _number(read: Read, word: str, unit: str) -> Value:
-    if word == "count":  # `count 1 to 256`
-        limits = [int(part) for part in unit.split() if part.isdigit()]
-        return read.whole(*limits)
-    return float(read.value) if unit in FACTORS else plain(read.value)
