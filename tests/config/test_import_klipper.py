@@ -462,7 +462,7 @@ def test_drivers_have_currents_and_wires(load) -> None:
     spi = "cs_pin: PD1\nrun_current: 0.6\nhold_current: 0.4\n"
     wires = "spi_software_sclk_pin: PD2\nspi_software_mosi_pin: PD4\nspi_software_miso_pin: PE1\n"
     more = f"[tmc2209 stepper_x]\n{tmc}[tmc2130 stepper_y]\n{spi}{wires}[tmc5160 extruder]\n{spi}"
-    draft, machine = load(more=more + "[tmc2660 stepper_z]\nrun_current: 1\n")
+    draft, machine = load(more=more + "[tmc2660 stepper_z]\nrun_current: 1\ncs_pin: PE15\n")
     x, y = machine.steppers["x"], machine.steppers["y"]
     assert x.tmc is not None
     assert y.tmc is not None
@@ -476,7 +476,81 @@ def test_drivers_have_currents_and_wires(load) -> None:
     )
     assert machine.steppers["e"].tmc is None
     assert any("[tmc5160 extruder]" in text for text in remarks(draft, "decide"))
-    assert any("[tmc2660 stepper_z]" in text for text in remarks(draft, "dropped"))
+    assert any("[tmc2660 stepper_z]" in text for text in remarks(draft, "decide"))
+
+
+def test_drivers_keep_their_registers(load) -> None:
+    wires = "spi_software_sclk_pin: PD2\nspi_software_mosi_pin: PD4\nspi_software_miso_pin: PE1\n"
+    more = f"""[tmc2240 stepper_x]
+cs_pin: PD1
+run_current: 0.8
+rref: 11000
+coolstep_threshold: 30
+high_velocity_threshold: 200
+driver_TPFD: 5
+driver_SEMIN: 3
+driver_multistep_filt: False
+driver_OFFSET_SIN90: -3
+driver_SLOPE_CONTROL: 2
+driver_SG4_THRS: 90
+driver_VACTUAL: 5
+{wires}
+[tmc2660 stepper_z]
+cs_pin: PE15
+run_current: 1.2
+sense_resistor: 0.051
+idle_current_percent: 60
+driver_HDEC: 1
+{wires}
+"""
+    draft, machine = load(more=more)
+    x, z = machine.steppers["x"].tmc, machine.steppers["z"].tmc
+    assert x is not None and z is not None
+    assert (x.run_current_a, x.reference_resistor_ohm, x.coolstep_above_mm_s) == (0.8, 11_000, 30)
+    assert x.high_speed_above_mm_s == 200
+    assert x.registers == {
+        "tpfd": 5, "semin": 3, "multistep_filt": 0, "offset_sin90": -3, "slope_control": 2,
+    }  # fmt: skip
+    assert (machine.steppers["z"].driver, z.registers, z.hold_current_a) == (
+        "TMC2660", {"hdec": 1}, None,
+    )  # fmt: skip
+    lost = remarks(draft, "dropped")
+    assert any("idle_current_percent" in text for text in lost)
+    assert any("driver_vactual" in text for text in lost)
+
+
+def test_a_tuned_driver_gets_the_constants_of_its_motor(load) -> None:
+    more = """[tmc2209 stepper_x]
+uart_pin: PC11
+run_current: 0.8
+stealthchop_threshold: 999999
+[tmc2209 stepper_z]
+uart_pin: PC12
+run_current: 0.6
+[motor_constants ours]
+resistance: 1.65
+inductance: 0.0036
+holding_torque: 0.45
+max_current: 1.68
+steps_per_revolution: 200
+[autotune_tmc stepper_x]
+motor: ours
+voltage: 48
+extra_hysteresis: 2
+tbl: 1
+[autotune_tmc stepper_z]
+motor: somebodys
+tuning_goal: silent
+"""
+    draft, machine = load(more=more)
+    x, z = machine.steppers["x"].tmc, machine.steppers["z"].tmc
+    assert x is not None and x.motor is not None and z is not None
+    assert (x.motor.inductance_mh, x.motor.supply_v, x.motor.extra_hysteresis) == (3.6, 48, 2)
+    assert x.registers == {"tbl": 1}
+    assert x.stealthchop_below_mm_s is None  # auto: X is strong
+    assert z.stealthchop_below_mm_s == 1e6
+    decided = remarks(draft, "decide")
+    assert any("give steppers.z.tmc.motor from the data sheet of somebodys" in t for t in decided)
 
 
 def test_probe_homes_z_and_measures_a_mesh_within_reach(load) -> None:

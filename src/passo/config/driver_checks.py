@@ -20,6 +20,12 @@ Raw = Mapping[str, Any]
 _UART_KEYS = ("uart_pin", "tx_pin", "address")
 _SPI_KEYS = ("cs_pin", "clock_pin", "mosi_pin", "miso_pin")
 _CURRENTS = ("run_current_a", "hold_current_a")
+# Keys of thresholds, without their unit, and the fields that hold them.
+_SPEEDS = {
+    "stealthchop_below": "tpwmthrs",
+    "coolstep_above": "tcoolthrs",
+    "high_speed_above": "thigh",
+}
 _RESISTORS = ("sense_resistor_ohm", "reference_resistor_ohm")
 
 
@@ -52,6 +58,7 @@ def check_drivers(data: Raw) -> Iterator[Finding]:
             continue
         yield from _check_keys(data, stepper, tmc, chip, path)
         yield from _check_currents(tmc, chip, path)
+        yield from _check_registers(tmc, chip, path)
         if isinstance(tmc.get("uart_pin"), str):
             uarts.append((path, chip, tmc))
     yield from _check_uarts(data, uarts)
@@ -115,10 +122,10 @@ def _check_keys(data: Raw, stepper: Raw, tmc: Raw, chip: ChipName, path: Path) -
     if not CHIPS[chip].currents.hold and "hold_current_a" in tmc:
         limit = f"no such key: a {chip} has one current, also at standstill"
         yield Finding("config.conflict", (*path, "hold_current_a"), tmc["hold_current_a"], limit)
-    if not CHIPS[chip].mode:
-        for key in ("stealthchop_below_mm_s", "stealthchop_below_deg_s"):
-            if key in tmc:
-                limit = f"no such key: a {chip} has no stealthChop"
+    for speed, field in _SPEEDS.items():
+        for key in (f"{speed}_mm_s", f"{speed}_deg_s"):
+            if key in tmc and not CHIPS[chip].field(field):
+                limit = f"no such key: a {chip} does not have it"
                 yield Finding("config.conflict", (*path, key), tmc[key], limit)
     wrong = _RESISTORS[chip != "TMC2240"]
     if wrong in tmc:
@@ -141,11 +148,34 @@ def _check_currents(tmc: Raw, chip: ChipName, path: Path) -> Iterator[Finding]:
             yield Finding("config.value", (*path, current), ampere, limit)
 
 
+def _check_registers(tmc: Raw, chip: ChipName, path: Path) -> Iterator[Finding]:
+    """Checks that the chip has the fields, that no other key sets them, and that their values
+    fit."""
+    settable = CHIPS[chip].settable
+    for name, value in table(tmc, "registers").items():
+        where = (*path, "registers", name)
+        owner = CHIPS[chip].owner(name)
+        if owner:
+            limit = f"no such field: {owner} of tmc set it"
+            yield Finding("config.conflict", where, value, limit)
+        elif name not in settable:
+            limit = f"a field of a {chip}: {', '.join(sorted(settable))}"
+            yield Finding("config.conflict", where, value, limit, did_you_mean(name, settable))
+        elif isinstance(value, int) and not isinstance(value, bool):
+            least, most = CHIPS[chip].bounds(name)
+            if not least <= value <= most:
+                limit = f"{least} to {most}"
+                yield Finding(
+                    "config.value", where, value, limit, nearest=max(least, min(value, most))
+                )
+
+
 def check_thresholds(stepper: Raw, path: Path, turns: bool) -> Iterator[Finding]:
-    """Checks that the stealthChop threshold is in the unit of the motor."""
+    """Checks that the thresholds of speed are in the unit of the motor."""
     right, wrong = ("deg", "mm") if turns else ("mm", "deg")
-    key = f"stealthchop_below_{wrong}_s"
-    value = table(stepper, "tmc").get(key)
-    if value is not None:
-        limit = f"stealthchop_below_{right}_s here"
-        yield Finding("config.conflict", (*path, "tmc", key), value, limit)
+    for speed in _SPEEDS:
+        key = f"{speed}_{wrong}_s"
+        value = table(stepper, "tmc").get(key)
+        if value is not None:
+            limit = f"{speed}_{right}_s here"
+            yield Finding("config.conflict", (*path, "tmc", key), value, limit)

@@ -4,6 +4,7 @@ file."""
 from passo.config.trinamic.chips import CHIPS, THRESHOLD_MAX, Bus, Chip, ChipName, chip_of
 from passo.config.trinamic.currents import CurrentLaw, CurrentNumbers
 from passo.config.trinamic.keys import STALL_PINS, Tmc
+from passo.config.trinamic.motor import MotorConstants, tuned_fields
 from passo.config.trinamic.registers import Field, Register
 
 __all__ = [
@@ -16,7 +17,9 @@ __all__ = [
     "CurrentLaw",
     "CurrentNumbers",
     "Field",
+    "MotorConstants",
     "Register",
     "Tmc",
     "chip_of",
+    "tuned_fields",
 ]

@@ -33,6 +33,8 @@ _OWNED = {
     "intpol": "interpolate",
     **dict.fromkeys(("tpwmthrs", "en_spreadcycle", "en_pwm_mode"), "stealthchop_below_mm_s"),
     **dict.fromkeys(("irun", "ihold", "cs"), "run_current_a and hold_current_a"),
+    "tcoolthrs": "coolstep_above_mm_s",
+    "thigh": "high_speed_above_mm_s",
     **dict.fromkeys(("vsense", "globalscaler", "current_range"), "run_current_a"),
 }
 _FIXED = {
@@ -78,6 +80,11 @@ class Chip:
             for name, field in register.fields.items()
             if name not in _FIXED and name not in _OWNED
         }
+
+    def bounds(self, name: str) -> tuple[int, int]:
+        """The minimum and maximum value of a settable field. TOFF 0 would switch the motor off."""
+        field = self.settable[name]
+        return int(name == "toff") or field.least, field.most
 
     def owner(self, field: str) -> str:
         """The keys of the machine file that set a field of this chip; empty if none does."""

@@ -7,6 +7,7 @@ from typing import Annotated
 from pydantic import Field
 
 from passo.config.trinamic.chips import CHIPS, ChipName
+from passo.config.trinamic.motor import MotorConstants
 from passo.config.types import Model, NotNegative, Pin, Positive
 
 STALL_PINS = ("diag_pin", "diag0_pin", "diag1_pin")
@@ -28,6 +29,21 @@ class Tmc(Model):
     """The driver is silent (stealthChop) below this speed of the motor. If not given, never."""
     stealthchop_below_deg_s: NotNegative | None = None
     """The same speed for an arm."""
+    coolstep_above_mm_s: Positive | None = None
+    """CoolStep adapts the current to the load above this speed of the motor; set `semin` and
+    `semax` in `registers`. If not given, never."""
+    coolstep_above_deg_s: Positive | None = None
+    """The same speed for an arm."""
+    high_speed_above_mm_s: Positive | None = None
+    """`vhighfs` and `vhighchm` in `registers` apply above this speed of the motor, of chips that
+    have them. If not given, never."""
+    high_speed_above_deg_s: Positive | None = None
+    """The same speed for an arm."""
+    motor: MotorConstants | None = None
+    """The data sheet of the motor, from which Passo computes registers of its driver."""
+    registers: dict[str, int] = Field(default_factory=dict)
+    """Fields of the driver's registers by their names in the data sheet, in lower case. They
+    replace the values of Passo and those of `motor`."""
     interpolate: bool = True
     """Whether the driver interpolates to 256 microsteps per full step."""
     uart_pin: Pin | None = None

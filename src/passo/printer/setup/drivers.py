@@ -12,10 +12,11 @@ from passo.config.board import joined_marks
 from passo.config.pin_names import named_on, placed
 from passo.config.sensors import Converter, ThermocoupleConverter
 from passo.config.stalls import STALL_KINDS, watched_motors
-from passo.config.trinamic import ChipName, chip_of
+from passo.config.trinamic import CHIPS, ChipName, Tmc, chip_of, tuned_fields
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
+    from passo.config.motion import Stepper
     from passo.config.sensors import AnySensor
 
 ACCELEROMETER_HZ = 5_000_000  # the greatest clock of an ADXL345
@@ -41,7 +42,7 @@ def drivers(machine: MachineConfig) -> Iterator[Driver]:
             threshold_of(chip, below * stepper.steps_per_unit, stepper.microsteps)
             if below
             else None,
-            _stall_fields(machine, name, chip),
+            _fields(chip, stepper, tmc) | _stall_fields(machine, name, chip),
         )
         if tmc.uart_pin:
             wire = UartPins(pin(tmc.uart_pin), pin(tmc.tx_pin or tmc.uart_pin))
@@ -60,6 +61,21 @@ def _stall_fields(machine: MachineConfig, motor: str, chip: ChipName) -> dict[st
         if homing.stall is not None and motor in watched_motors(machine, home):
             return {STALL_KINDS[chip].field: homing.stall.threshold}
     return {}
+
+
+def _fields(chip: ChipName, stepper: Stepper, tmc: Tmc) -> dict[str, int]:
+    """The fields of a driver that do not have their start values."""
+    fields: dict[str, int] = {}
+    if tmc.motor is not None:
+        full = stepper.full_steps_per_rotation
+        fields |= tuned_fields(CHIPS[chip], tmc.motor, tmc.run_current_a, full, tmc.registers)
+    for field, speed in (
+        ("tcoolthrs", tmc.coolstep_above_mm_s or tmc.coolstep_above_deg_s),
+        ("thigh", tmc.high_speed_above_mm_s or tmc.high_speed_above_deg_s),
+    ):
+        if speed:
+            fields[field] = threshold_of(chip, speed * stepper.steps_per_unit, stepper.microsteps)
+    return fields | tmc.registers
 
 
 def microstep_outputs(machine: MachineConfig) -> Iterator[tuple[str, str]]:

@@ -1,4 +1,4 @@
-"""Imports [printer], [stepper_…], drivers, and the motion options of [extruder]."""
+"""Imports [printer], [stepper_…], and the motion options of [extruder]."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import math
 import re
 from typing import TYPE_CHECKING
 
-from passo.config.importing.klipper.buses import wires_of
 from passo.config.importing.klipper.cfg import Section
+from passo.config.importing.klipper.drivers import put_driver
 from passo.config.importing.klipper.homing import put_homing
 from passo.config.importing.klipper.rotary_delta import ARMS, put_rotary_delta
 from passo.config.importing.numbers import NUMBER, in_range, number_of
@@ -29,7 +29,6 @@ _ACTUATORS = {  # Klipper's letter of a stepper: Passo's motor
 }
 # Kalico's names of kinematics with limits for each axis.
 _LIMITED = {f"limited_{kind}": kind for kind in ("cartesian", "corexy", "corexz")}
-_CHIPS = ("tmc2208", "tmc2209", "tmc2130", "tmc5160")
 _MICROSTEPS = (1, 2, 4, 8, 16, 32, 64, 128, 256)  # of Passo; other drivers have others
 _COLDEST = ("limits", "min_extrude_c")
 _ROTARY = "rotary_delta"
@@ -221,35 +220,7 @@ def _put_pins(job: Import, section: Section, name: str, first: Section) -> None:
         raise section.missing("dir_pin")
     job.put_value((*path, "direction_pin"), section, "dir_pin", direction.replace("!", ""))
     job.put_value((*path, "invert"), section, "dir_pin", "!" in direction or None)
-    _put_driver(job, section, path)
-
-
-def _put_driver(job: Import, motor: Section, path: KeyPath) -> None:
-    found = [s for s in job.config.sections.values() if s.rest == motor.name and "tmc" in s.kind]
-    for section in found:
-        job.used.add(section.name)
-        if section.kind not in _CHIPS:
-            text = "Passo does not set this driver's registers: it runs as its pins are wired"
-            job.draft.dropped(section.place, f"[{section.name}]", text)
-            job.leave_out(section)
-            continue
-        spi = section.kind in _CHIPS[2:]
-        wires = wires_of(job, section, "cs_pin") if spi else {}
-        if spi and not wires:
-            run = section.number("run_current")
-            text = "Passo sets this driver only over the pins of its SPI bus"
-            text += f": give driver and tmc of steppers.{path[-1]}"
-            if run is not None:
-                text += f", with run_current_a = {run:g}"
-            job.draft.decide(section.at("spi_bus"), f"[{section.name}]", text)
-            job.leave_out(section)
-            continue
-        job.draft.put((*path, "driver"), section.kind.upper(), section.place)
-        job.put("driver", section, name=path[-1])
-        for key, pin in wires.items():
-            job.draft.put((*path, "tmc", key), pin, section.at("spi_bus"))
-        if section.kind == "tmc2209":
-            job.put("tmc2209", section, name=path[-1])
+    put_driver(job, section, path)
 
 
 def _put_extruder(job: Import, section: Section, speed: float, accel: float) -> None:

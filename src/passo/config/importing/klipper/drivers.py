@@ -1,0 +1,138 @@
+"""Imports the drivers of motors: their buses, currents, registers, and [autotune_tmc]."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from passo.config.importing.klipper.buses import wires_of
+from passo.config.trinamic import CHIPS, Chip, ChipName, chip_of
+
+if TYPE_CHECKING:
+    from passo.config.importing.draft import KeyPath
+    from passo.config.importing.klipper.cfg import Section
+    from passo.config.importing.klipper.conversion import Import
+
+_FIELD = "driver_"
+_ALWAYS_MM_S = 1e6  # no motor is faster: silent at any speed
+_STRONG_NM = 0.3  # a motor with less torque does not have it to spare for silence
+_STALL = ("sgthrs", "sgt", "sg4_thrs")
+# Of [motor_constants]: the keys of `motor`, with the factor of their unit.
+_CONSTANTS = {
+    "resistance": ("resistance_ohm", 1.0),
+    "inductance": ("inductance_mh", 1000.0),
+    "holding_torque": ("holding_torque_nm", 1.0),
+    "max_current": ("max_current_a", 1.0),
+}
+
+
+def put_driver(job: Import, motor: Section, path: KeyPath) -> None:
+    """Imports the driver of the motor at `path`, if the file sets its registers."""
+    found = [s for s in job.config.sections.values() if s.rest == motor.name]
+    for section in (s for s in found if s.kind.startswith("tmc")):
+        job.used.add(section.name)
+        chip = chip_of(section.kind.upper())
+        if chip is None:
+            text = "Passo does not set this driver's registers: it runs as its pins are wired"
+            job.draft.dropped(section.place, f"[{section.name}]", text)
+            job.leave_out(section)
+            continue
+        if _put_chip(job, section, path, chip):
+            for tuning in (s for s in found if s.kind == "autotune_tmc"):
+                _put_tuning(job, tuning, motor, path, CHIPS[chip])
+    for tuning in (s for s in found if s.kind == "autotune_tmc"):
+        job.used.add(tuning.name)
+
+
+def _put_chip(job: Import, section: Section, path: KeyPath, chip: ChipName) -> bool:
+    """Imports a driver; False if its bus is not known."""
+    by_uart = "uart" in CHIPS[chip].buses and "uart_pin" in section.options
+    wires = {} if by_uart else wires_of(job, section, "cs_pin")
+    if not by_uart and not wires and "uart" not in CHIPS[chip].buses[:1]:
+        run = section.number("run_current")
+        text = "Passo sets this driver only over the pins of its SPI bus"
+        text += f": give driver and tmc of steppers.{path[-1]}"
+        if run is not None:
+            text += f", with run_current_a = {run:g}"
+        job.draft.decide(section.at("spi_bus"), f"[{section.name}]", text)
+        job.leave_out(section)
+        return False
+    job.draft.put((*path, "driver"), chip, section.place)
+    job.put("driver", section, name=path[-1])
+    for key, pin in wires.items():
+        job.draft.put((*path, "tmc", key), pin, section.at("spi_bus"))
+    if CHIPS[chip].addresses > 1 and by_uart:
+        job.put("driver_address", section, name=path[-1])
+    if chip == "TMC2660":
+        job.put("tmc2660", section, name=path[-1])
+    else:
+        job.put("driver_hold", section, name=path[-1])
+    _put_registers(job, section, path, CHIPS[chip])
+    return True
+
+
+def _put_registers(job: Import, section: Section, path: KeyPath, chip: Chip) -> None:
+    """Imports the options `driver_NAME` as fields of registers."""
+    fields = chip.settable
+    for option in [o for o in section.options if o.startswith(_FIELD)]:
+        name = option.removeprefix(_FIELD)
+        if name in _STALL:
+            continue
+        what = f"{option} in [{section.name}]"
+        text = section.text(option).lower()
+        number = {"true": 1.0, "false": 0.0}.get(text)
+        value = section.number(option) if number is None else number
+        if name not in fields or value is None:
+            job.draft.dropped(section.at(option), what, "Passo sets this field itself")
+            continue
+        least, most = chip.bounds(name)
+        if value != int(value) or not least <= value <= most:
+            raise section.wrong(option, f"a whole number from {least} to {most}")
+        job.draft.put((*path, "tmc", "registers", name), int(value), section.at(option))
+
+
+def _put_tuning(job: Import, tuning: Section, motor: Section, path: KeyPath, chip: Chip) -> None:
+    """Imports [autotune_tmc]: the constants of the motor, and the mode that its goal selects."""
+    name = tuning.text("motor")
+    constants = job.config.get(f"motor_constants {name}")
+    tmc = (*path, "tmc")
+    torque_nm: float | None = None
+    if constants is None:
+        text = f"give {'.'.join(tmc)}.motor from the data sheet of {name}"
+        job.draft.decide(tuning.at("motor"), f"motor in [{tuning.name}]", text)
+    else:
+        job.used.add(constants.name)
+        constants.used.update(constants.options)
+        for option, (key, factor) in _CONSTANTS.items():
+            value = constants.needed(option) * factor
+            job.draft.put((*tmc, "motor", key), round(value, 9), constants.at(option))
+        torque_nm = constants.needed("holding_torque")
+        job.put("autotune", tuning, name=path[-1])
+    tuning.used |= {"voltage", "extra_hysteresis"}
+    for option, field in (("tbl", "tbl"), ("toff", "toff"), ("pwm_freq", "pwm_freq")):
+        value = tuning.whole(option)
+        if value is not None and field in chip.settable:
+            job.draft.put((*tmc, "registers", field), value, tuning.at(option))
+    _put_goal(job, tuning, motor, tmc, torque_nm, chip)
+
+
+def _put_goal(
+    job: Import,
+    tuning: Section,
+    motor: Section,
+    tmc: KeyPath,
+    torque_nm: float | None,
+    chip: Chip,
+) -> None:
+    goal = tuning.text("tuning_goal", "auto").lower()
+    if goal == "autoswitch" or not chip.mode:
+        return  # the threshold of the driver's own section counts
+    silent = goal == "silent"
+    if goal == "auto":
+        xy = motor.name in ("stepper_x", "stepper_y", "stepper_x1", "stepper_y1")
+        silent = not xy and torque_nm is not None and torque_nm > _STRONG_NM
+    key, place = (*tmc, "stealthchop_below_mm_s"), tuning.at("tuning_goal")
+    job.draft.keys.pop(key, None)
+    if silent:
+        job.draft.put(key, _ALWAYS_MM_S, place)
+    text = f"the driver uses {'stealthChop' if silent else 'spreadCycle'} at any speed"
+    job.draft.changed(place, f"tuning_goal {goal} in [{tuning.name}]", text)
