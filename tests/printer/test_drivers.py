@@ -117,6 +117,7 @@ def test_driver_settings_sent_at_link_loss_arrive_later(ms):
         s.passes(ms / 1000)
         break_link(s, 1.0)
         s.host.expect("The board is back", 10)
+        s.passes(2)
         assert [field(s, m, r.IHOLD_IRUN, "irun") for m in "xzye"] == [15, 9, 25, 31]
         assert not s.printer.state.halted
 
@@ -207,6 +208,74 @@ def test_currents_and_modes_by_command(s):
     s.host.send("M999")
     s.host.expect("ready again", 5)
     assert field(s, "x", r.IHOLD_IRUN, "irun") == 15  # it outlives the halt
+
+
+def test_klippers_words_set_currents_in_program_order(s):
+    assert s.host.ok("SET_TMC_CURRENT STEPPER=stepper_x")[0] == (
+        "Run Current: 0.80A Hold Current: 0.40A"
+    )
+    s.host.ok("G28", 60)
+    s.host.send("G1 X100 F6000", "SET_TMC_CURRENT STEPPER=stepper_x CURRENT=0.5", "G1 X101 F6000")
+    s.passes(0.5)
+    assert field(s, "x", r.IHOLD_IRUN, "irun") == 25
+    s.host.ok("M400", 20)
+    assert field(s, "x", r.IHOLD_IRUN, "irun") == 15
+    assert field(s, "x", r.IHOLD_IRUN, "ihold") == 12  # 0.4 A still
+    s.host.ok("SET_TMC_CURRENT STEPPER=extruder CURRENT=0.9 HOLDCURRENT=0.3")
+    s.passes(1)
+    assert (register(s, "e", r.GLOBALSCALER), field(s, "e", r.IHOLD_IRUN, "ihold")) == (75, 10)
+    for line, why in (
+        ("STEPPER=stepper_q CURRENT=1", "STEPPER is stepper_q: expected stepper_x, stepper_y"),
+        ("STEPPER=stepper_x CURRENT=3", "CURRENT is 3: expected 0.031 to 1.74 A"),
+    ):
+        s.host.send(f"SET_TMC_CURRENT {line}")
+        s.host.expect(why, 2)
+
+
+def test_a_field_of_a_register_is_set_and_kept(s):
+    s.host.ok("SET_TMC_FIELD STEPPER=stepper_x FIELD=toff VALUE=5")
+    s.host.ok("SET_TMC_FIELD STEPPER=stepper_x FIELD=tpwmthrs VELOCITY=50")
+    s.host.ok("SET_TMC_FIELD STEPPER=stepper_x FIELD=TCOOLTHRS VELOCITY=30")
+    s.host.ok("SET_TMC_FIELD STEPPER=extruder FIELD=en_pwm_mode VALUE=1")
+    assert field(s, "x", r.CHOPCONF, "toff") == 5
+    assert (register(s, "x", r.TPWMTHRS), register(s, "x", 0x14)) == (188, 313)
+    assert field(s, "e", r.GCONF, "en_pwm_mode") == 1
+    s.board.drivers["x"].power_on()
+    s.passes(3)  # the motors are off: it is set up again
+    assert field(s, "x", r.CHOPCONF, "toff") == 5
+    for line, why in (
+        ("FIELD=toff VALUE=16", "VALUE is 16: expected 1 to 15 for toff"),
+        ("FIELD=tof VALUE=3", "FIELD is tof: expected a field of a TMC2209. Did you mean 'toff'"),
+        ("FIELD=mres VALUE=3", "FIELD is mres: expected microsteps of the machine file"),
+        ("FIELD=irun VALUE=3", "FIELD is irun: expected SET_TMC_CURRENT for irun"),
+        ("FIELD=toff VELOCITY=3", "VELOCITY is 3: expected VALUE for toff"),
+        ("FIELD=toff", "VALUE is missing: expected one of VALUE and VELOCITY"),
+    ):
+        s.host.send(f"SET_TMC_FIELD STEPPER=stepper_x {line}")
+        s.host.expect(why, 2)
+
+
+def test_registers_are_reported_as_in_klipper(s):
+    s.board.drivers["x"].set(r.DRV_STATUS, 1 << 6 | 25 << 16)
+    lines = s.host.ok("DUMP_TMC STEPPER=stepper_x", 5)
+    assert "IHOLD_IRUN: 0008190c ihold=12 irun=25 iholddelay=8" in lines
+    assert "DRV_STATUS: 00190040 ola=1 cs_actual=25" in lines
+    assert "GCONF:      000001c0 pdn_disable=1 mstep_reg_select=1 multistep_filt=1" in lines
+    assert lines.index("========== Queried registers ==========") < lines.index(
+        "DRV_STATUS: 00190040 ola=1 cs_actual=25"
+    )
+    assert s.host.ok("DUMP_TMC STEPPER=stepper_x REGISTER=tpwmthrs")[0] == (
+        "TPWMTHRS:   0000005e tpwmthrs=94"
+    )
+    s.board.drivers["x"].plugged = False
+    s.host.send("DUMP_TMC STEPPER=stepper_x")
+    s.host.expect("motor x: its driver, a TMC2209 on .* does not answer", 5)
+
+
+def test_a_driver_is_written_again_on_request(s):
+    s.board.drivers["x"].set(r.IHOLD_IRUN, 0)
+    s.host.ok("INIT_TMC STEPPER=stepper_x")
+    assert field(s, "x", r.IHOLD_IRUN, "irun") == 25
 
 
 def test_hold_current_above_run_current_is_within_range():

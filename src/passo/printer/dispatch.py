@@ -26,6 +26,7 @@ from passo.printer.wait_requests import (
     Stopped,
     Wait,
     WaitForMoves,
+    WaitForProcedure,
     WaitForQueue,
     WaitForUser,
     without_effect,
@@ -243,10 +244,12 @@ class Dispatch:
         self._feed(text)
         wait = self._go_on(reply)
         while wait is not None:
-            if isinstance(wait, WaitForMoves) and wait.then is not None:
+            then = wait.then if isinstance(wait, WaitForMoves) else None
+            then = wait.setting if isinstance(wait, WaitForProcedure) else then
+            if then is not None:
                 self._rig.queue.flush()
                 try:
-                    wait.then()
+                    then()
                 except CommandError as error:
                     reply.fail(str(error), error.problems)
             wait = self._go_on(reply)

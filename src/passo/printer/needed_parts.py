@@ -45,7 +45,10 @@ NEEDS: Mapping[str, _Needs] = {
     "QUAD_GANTRY_LEVEL": _has_gantry,
     "Z_TILT_ADJUST": lambda machine: not _has_gantry(machine),
     "BED_TILT_CALIBRATE": lambda machine: machine.levelling.method == "linear",
-    "INIT_TMC": lambda machine: any(stepper.tmc for stepper in machine.steppers.values()),
+    **dict.fromkeys(
+        ("INIT_TMC", "DUMP_TMC", "SET_TMC_CURRENT", "SET_TMC_FIELD"),
+        lambda machine: any(stepper.tmc for stepper in machine.steppers.values()),
+    ),
     "BLTOUCH_DEBUG": lambda machine: isinstance(machine.probe, BLTouch),
     "PROBE_CALIBRATE": lambda machine: isinstance(machine.probe, SensingProbe),
     "SET_FAN_SPEED": _has_named_fan,

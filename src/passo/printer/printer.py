@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from passo.errors import MachineError
 from passo.levelling.mesh_files import MeshStore
 from passo.motion.endstops import homed_axes
+from passo.printer.commands.driver_registers import DriverRegisterCommands
 from passo.printer.commands.drivers import DriverCommands
 from passo.printer.commands.simulated_faults import SimulatedFaultCommands
 from passo.printer.commands.user_prompts import UserPrompts
@@ -104,13 +105,15 @@ class Printer:
             *(outputs.laser, outputs.targets, self.sensors, heat.report.line),
         )
         self.driver_commands = DriverCommands(machine, self.drivers, outputs.motors)
+        registers = DriverRegisterCommands(machine, self.drivers)
         self.settings = Settings(
             *(rig, outputs, motion, heat, self.levelling),
             *(self.driver_commands, self.prompts, self.endstops),
         )
         self.faults = SimulatedFaultCommands(rig, state, free=free)
         self.dispatch = Dispatch(rig, state, self.waits, skips, heat.settings.guard_extrusion)
-        self.dispatch.add(stops, self.prompts, self.endstops, self.faults, self.driver_commands)
+        self.dispatch.add(stops, self.prompts, self.endstops, self.faults)
+        self.dispatch.add(self.driver_commands, registers)
         self.dispatch.add(*outputs.handlers, *heat.handlers, *motion.handlers)
         self.dispatch.add(*self.levelling.handlers, *inputs.handlers)
         idle = IdleWatch(

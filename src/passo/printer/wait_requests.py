@@ -67,9 +67,10 @@ class WaitForTuning:
 @dataclass(frozen=True, slots=True)
 class WaitForProcedure:
     """Waits until `run` is done. The waiting caller holds the motion lock, and the machine is idle
-    at the start."""
+    at the start. A stored setting, which does not wait, calls `setting` instead."""
 
     run: Callable[[], Awaitable[None]]
+    setting: Callable[[], object] | None = None
 
 
 @dataclass(frozen=True, slots=True)

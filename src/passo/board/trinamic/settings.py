@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import floor
 
 from passo.config.trinamic import CHIPS, THRESHOLD_MAX, Chip, ChipName, CurrentNumbers
 
@@ -79,4 +80,5 @@ def threshold_of(chip: ChipName, microsteps_s: float, microsteps: int) -> int:
     of microsteps in a full step. TSTEP counts clocks per 1/256 of a full step."""
     if microsteps_s <= 0:
         return THRESHOLD_MAX
-    return min(round(CHIPS[chip].clock_hz * microsteps / (256 * microsteps_s)), THRESHOLD_MAX)
+    counts = CHIPS[chip].clock_hz * microsteps / (256 * microsteps_s)
+    return min(floor(counts + 0.5), THRESHOLD_MAX)

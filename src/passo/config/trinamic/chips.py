@@ -81,9 +81,16 @@ class Chip:
             if name not in _FIXED and name not in _OWNED
         }
 
+    @property
+    def runtime(self) -> set[str]:
+        """The fields that a command may set: also the thresholds that have keys of their own."""
+        return set(self.settable) | {n for n in ("tcoolthrs", "thigh") if self.field(n)}
+
     def bounds(self, name: str) -> tuple[int, int]:
-        """The minimum and maximum value of a settable field. TOFF 0 would switch the motor off."""
-        field = self.settable[name]
+        """The minimum and maximum value of a field. TOFF 0 would switch the motor off."""
+        field = self.field(name)
+        if field is None:
+            raise KeyError(name)
         return int(name == "toff") or field.least, field.most
 
     def owner(self, field: str) -> str:

@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING
 
 from passo.board.drivers import DriverState
 from passo.board.trinamic import DriverSettings, findings, open_coils, threshold_of
-from passo.config.klipper_names import stepper_object
-from passo.config.part_names import found_name
 from passo.config.trinamic import CHIPS
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
-from passo.gcode.parameters import TOOL, axes, integer, refused, text
+from passo.gcode.parameters import TOOL, axes, integer, refused
 from passo.gcode.registry import Kind, Subject, When, command
+from passo.printer.commands.driver_registers import change
 from passo.printer.wait_requests import Reply, Wait
 
 if TYPE_CHECKING:
@@ -57,14 +56,12 @@ class DriverCommands:
             for motor, state in self._watch.states.items():
                 reply.say(f"{motor.upper()} driver current: {state.settings.run_a * 1000:.0f}")
             return None
-        wanted = [
-            (motor, self._with_current(motor, letter, milliampere))
+        wanted = {
+            motor: self._with_current(motor, letter, milliampere)
             for letter, milliampere in words.items()
             for motor in self._motors(letter, reply, index, tool)
-        ]
-        for motor, settings in wanted:
-            self._watch.set(motor, settings)
-        return None
+        }
+        return change(self._watch, wanted)
 
     def _with_current(self, motor: str, letter: str, milliampere: float) -> DriverSettings:
         """The settings with another run current. The hold current keeps its ratio to the run
@@ -79,26 +76,6 @@ class DriverCommands:
             raise CommandError.bad_value(letter, milliampere, limit)
         run_a = milliampere / 1000
         return replace(settings, run_a=run_a, hold_a=run_a * share)
-
-    @command(
-        "INIT_TMC",
-        Subject.MOTORS,
-        When.PLANNED,
-        "Writes the settings of a driver with registers again, as after its power was off.",
-        text("STEPPER", "the name of the motor"),
-        kind=Kind.SERVED,
-    )
-    def _initialise(self, command: Command, _: Reply) -> Wait | None:
-        named = {stepper_object(motor): motor for motor in self._watch.states}
-        written = command.string("STEPPER")
-        found = found_name(named, written)
-        if found is None:
-            limit = ", ".join(named) or "a motor whose driver has registers: none here"
-            raise CommandError.of(
-                "command.value", axis="STEPPER", value=written or "missing", limit=limit
-            )
-        self._watch.initialise(named[found])
-        return None
 
     @command(
         "M350",
@@ -140,11 +117,15 @@ class DriverCommands:
         if letters:
             which = words.get("I"), words.get("T")
             motors = [m for letter in letters for m in self._motors(letter, reply, *which)]
+        wanted: dict[str, DriverSettings] = {}
         for motor in motors:
             threshold = self._stealth_threshold(motor) if words["S"] else None
             settings = self._watch.states[motor].settings
-            self._watch.set(motor, replace(settings, threshold=threshold))
-        return None
+            if CHIPS[settings.chip].mode:
+                wanted[motor] = replace(settings, threshold=threshold)
+            elif letters:
+                reply.say(f"echo:{motor.upper()} has one mode: its {settings.chip} is spreadCycle")
+        return change(self._watch, wanted)
 
     def _tell_inputs(self, reply: Reply) -> None:
         """Reports the settings of the drivers' inputs in the machine file."""
