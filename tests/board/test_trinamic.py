@@ -240,6 +240,7 @@ def test_open_coils():
     assert open_coils("TMC2209", Reading(0, 1 << 7)) == ["B"]
     assert open_coils("TMC5160", Reading(0, 3 << 29)) == ["A", "B"]
     assert open_coils("TMC2660", Reading(0, 1 << 5)) == ["A"]
+    assert open_coils("TMC2660", Reading(0, 1 << 7 | 1 << 5)) == []  # at standstill
 
 
 def test_a_wire_that_is_always_low_is_not_a_driver():

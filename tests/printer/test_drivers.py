@@ -15,6 +15,8 @@ from tests.support.scenario import Scenario
 
 from passo import config
 from passo.board.ports import in_process
+from passo.config.exporting.settings import Sections
+from passo.printer.klipper.objects import objects
 from passo.printer.setup.boards import board_descriptions
 from passo.printer.setup.connections import _connected, connect_simulated
 from passo.printer.setup.simulated_world import simulated_machine
@@ -333,7 +335,57 @@ def test_the_state_of_each_driver_is_reported(s):
     lines = s.host.ok("M122")
     assert "X TMC2209 0.80 A running, 0.40 A standing, 16 microsteps, stealthChop" in lines
     at = lines.index("Z TMC2208 0.61 A running, 0.61 A standing, 16 microsteps, spreadCycle")
-    assert lines[at + 1].startswith("  coil A looks open")
+    assert lines[at + 1].startswith("  motor z: coil A looks open")
+
+
+def test_status_has_the_set_flags_of_each_driver(s):
+    s.board.drivers["x"].set(r.DRV_STATUS, 1 | 25 << 16)
+    s.passes(2)
+    status = s.printer.status.read()
+    x = status.drivers["x"]
+    assert (x.chip, x.run_a, x.hold_a, x.mode) == ("TMC2209", 0.795, 0.398, "stealthChop")
+    assert x.flags == {"otpw": 1, "cs_actual": 25}
+    assert [fault.code for fault in x.findings] == ["driver.hot"]
+    assert x.findings[0].action.startswith("Cool it better, or lower its current")
+    assert status.drivers["e"].flags == {}
+    found = objects(s.printer.machine, Sections(s.printer.machine), status, {})
+    assert found["tmc2209 stepper_x"]() == {
+        "run_current": 0.795, "hold_current": 0.398, "drv_status": {"otpw": 1, "cs_actual": 25},
+        "temperature": None, "mcu_phase_offset": None, "phase_offset_position": None,
+    }  # fmt: skip
+    assert found["tmc5160 extruder"]()["run_current"] == pytest.approx(1.2, abs=0.01)
+    s.board.drivers["x"].plugged = False
+    s.passes(3)
+    x = s.printer.status.read().drivers["x"]
+    assert (x.flags, [fault.code for fault in x.findings]) == (None, ["driver.silent"])
+
+
+TMC2240 = """
+[steppers.e]
+driver = "TMC2240"
+steps_per_mm = 95.5
+socket = "E0"
+
+[steppers.e.tmc]
+run_current_a = 0.8
+cs_pin = "D23"
+clock_pin = "D25"
+mosi_pin = "D27"
+miso_pin = "D29"
+"""
+
+
+@pytest.mark.parametrize("firmware", ["virtual", "passo"])
+def test_a_tmc2240_reports_its_temperature_and_supply(firmware):
+    text = DRIVERS[: DRIVERS.index("[steppers.e]")] + TMC2240
+    with Scenario(machine(text, firmware)) as s:
+        s.board.drivers["e"].set(0x51, 2962)
+        s.passes(2)
+        e = s.printer.status.read().drivers["e"]
+        assert e.temperature_c == pytest.approx(120.0)
+        assert e.supply_v == pytest.approx(24.0, abs=0.01)
+        assert (s.board.drivers["e"].read(0x0A), register(s, "e", r.GLOBALSCALER)) == (1, 145)
+        assert any(line.endswith("spreadCycle, 120 C, 24.0 V") for line in s.host.ok("M122"))
 
 
 def test_currents_and_modes_are_stored(tmp_path):

@@ -48,6 +48,10 @@ DRIVER: Mapping[str, Entry] = {
         "its driver, a {value}, has too little voltage to switch on fully",
         "Check the motors' supply and its plugs, then M999",
     ),
+    "driver.open-coil": _driver(
+        "coil {value} looks open; that counts only while the motor turns slowly",
+        "If it repeats at low speed, switch the power off and check the motor's cable and plug",
+    ),
     "driver.stopped": _driver(
         "its driver, a {value}, has switched the motor off for a moment, because of heat or a short"
         " circuit",

@@ -58,6 +58,13 @@ def temperature_object(name: str) -> str:
     return f"temperature_sensor {name}"
 
 
+def driver_object(chip: str, stepper: str) -> str:
+    """Klipper's name for the driver of a motor with Klipper's name `stepper`; chips that differ in
+    their package alone share a kind."""
+    kind = {"TMC2225": "TMC2208", "TMC2226": "TMC2209"}.get(chip, chip)
+    return f"{kind.lower()} {stepper}"
+
+
 def board_object(name: str) -> str:
     """Klipper's name for a board; `main` is the main one."""
     return "mcu" if name == "main" else f"mcu {name}"

@@ -57,6 +57,35 @@ class FilamentSensorStatus:
 
 
 @dataclass(frozen=True, slots=True)
+class FaultStatus:
+    """An error of the catalogue: its code, the affected part, the sentence, and the next action."""
+
+    code: str
+    part: str
+    text: str
+    action: str
+
+
+@dataclass(frozen=True, slots=True)
+class DriverStatus:
+    """A motor driver with registers. `run_a` and `hold_a` are its RMS currents; `mode` is
+    stealthChop or spreadCycle. `flags` are the fields of its status register that are not 0; None
+    until it has reported them, and while it does not answer. `temperature_c` and `supply_v` are
+    None unless the chip measures them. `findings` are its faults and warnings, each with the next
+    action."""
+
+    chip: str
+    run_a: float
+    hold_a: float
+    microsteps: int
+    mode: str
+    flags: dict[str, int] | None
+    temperature_c: float | None = None
+    supply_v: float | None = None
+    findings: tuple[FaultStatus, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class SensorStatus:
     """A temperature sensor without a heater. `celsius` is its last reading, None before the first
     one and while the sensor is broken; `lowest_c` and `highest_c` are its extremes since the start.
@@ -203,16 +232,6 @@ class BoardStatus:
     awake_s: float | None = None
     task_s: float | None = None
     task_deviation_s: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class FaultStatus:
-    """An error of the catalogue: its code, the affected part, the sentence, and the next action."""
-
-    code: str
-    part: str
-    text: str
-    action: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -429,3 +448,4 @@ class Status:
         default_factory=dict[str, FilamentSensorStatus]
     )
     buttons: dict[str, bool] = field(default_factory=dict[str, bool])
+    drivers: dict[str, DriverStatus] = field(default_factory=dict[str, DriverStatus])

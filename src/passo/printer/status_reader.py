@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from dataclasses import replace
 from math import hypot
 from typing import TYPE_CHECKING
 
 from passo.config.motor_roles import axis_order
-from passo.errors import Problem
 from passo.motion.axis_slots import E, slot_of_axis
+from passo.printer.fault_status import faults_of
 from passo.printer.status import (
     AxisStatus,
     BoardStatus,
-    FaultStatus,
     HeaterStatus,
     MotionStatus,
     PrinterState,
     Status,
 )
-from passo.printer.unfit_commands import plain_advice
 
 if TYPE_CHECKING:
     from passo.board.connection import Connection
@@ -182,19 +179,6 @@ class StatusReader:
             connection.name or "main": _board_status(connection, simulated=not live)
             for connection in connections
         }
-
-
-def faults_of(problems: Sequence[Problem]) -> tuple[FaultStatus, ...]:
-    """The problems as they are shown."""
-    return tuple(
-        FaultStatus(
-            p.code,
-            p.entry.part,
-            f"{p.place}: {p.sentence}" if p.place else p.sentence,
-            plain_advice(p),
-        )
-        for p in problems
-    )
 
 
 def _board_status(connection: Connection, *, simulated: bool) -> BoardStatus:

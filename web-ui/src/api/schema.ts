@@ -203,6 +203,22 @@ export interface Difference {
   text: string;
 }
 
+/** A motor driver with registers. `run_a` and `hold_a` are its RMS currents; `mode` is stealthChop
+ * or spreadCycle. `flags` are the fields of its status register that are not 0; None until it has
+ * reported them, and while it does not answer. `temperature_c` and `supply_v` are None unless the
+ * chip measures them. `findings` are its faults and warnings, each with the next action. */
+export interface DriverStatus {
+  chip: string;
+  run_a: number;
+  hold_a: number;
+  microsteps: number;
+  mode: string;
+  flags?: Record<string, number> | null;
+  temperature_c?: number | null;
+  supply_v?: number | null;
+  findings: FaultStatus[];
+}
+
 /** A finished print: its result (done, cancelled or failed), the reason of a failure, and its
  * progress. `problems` are the errors of the reason, if they are known. */
 export interface EndedJob {
@@ -999,6 +1015,7 @@ export interface Status {
   sensors: Record<string, SensorStatus>;
   filament_sensors: Record<string, FilamentSensorStatus>;
   buttons: Record<string, boolean>;
+  drivers: Record<string, DriverStatus>;
 }
 
 /** The status, and a number that increases with each change of it. */

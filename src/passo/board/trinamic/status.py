@@ -85,7 +85,9 @@ def names_fault(chip: ChipName, status: int) -> bool:
 
 
 def open_coils(chip: ChipName, reading: Reading) -> list[str]:
-    """Findings for coils that read as open. Call it only for a motor that turns slowly; the flags
-    are invalid otherwise."""
+    """The coils that read as open. A chip cannot detect them at standstill; at high speed the flags
+    are not reliable."""
     flags = reading.flags(chip)
+    if flags.get("stst"):
+        return []
     return [coil for suffix, coil in _COILS if flags.get(f"ol{suffix}")]

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from passo.config.klipper_names import driver_object
 from passo.config.trinamic import chip_of
 
 if TYPE_CHECKING:
     from passo.config.exporting.cfg import Cfg
 
 _FULL_TURN = 200
-_KLIPPERS = {"TMC2225": "TMC2208", "TMC2226": "TMC2209"}
 
 
 def put_stepper(cfg: Cfg, name: str, section: str) -> None:
@@ -33,7 +33,7 @@ def put_stepper(cfg: Cfg, name: str, section: str) -> None:
     tmc, chip = stepper.tmc, chip_of(stepper.driver)
     if tmc is None or chip is None:
         return
-    driver = f"{_KLIPPERS.get(chip, chip).lower()} {section}"
+    driver = driver_object(chip, section)
     socket = machine.socket(name)
     select = tmc.cs_pin or (f"{stepper.socket}_SELECT" if socket and socket.select else None)
     buses = (tmc.clock_pin, tmc.mosi_pin, tmc.miso_pin)

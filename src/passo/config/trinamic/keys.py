@@ -35,8 +35,8 @@ class Tmc(Model):
     coolstep_above_deg_s: Positive | None = None
     """The same speed for an arm."""
     high_speed_above_mm_s: Positive | None = None
-    """`vhighfs` and `vhighchm` in `registers` apply above this speed of the motor, of chips that
-    have them. If not given, never."""
+    """Fields `vhighfs` and `vhighchm` in `registers` apply above this speed of the motor. If not
+    given, never."""
     high_speed_above_deg_s: Positive | None = None
     """The same speed for an arm."""
     motor: MotorConstants | None = None

@@ -6,8 +6,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from passo.job.live.job_state import JobState
+from passo.printer.fault_status import faults_of
 from passo.printer.status import EndedJob, FilesStatus, JobStatus, PrinterState, Status
-from passo.printer.status_reader import faults_of
 
 if TYPE_CHECKING:
     from passo.job.live.files import Files

@@ -8,7 +8,7 @@ from math import floor
 from typing import TYPE_CHECKING
 
 from passo.board.drivers import DriverState
-from passo.board.trinamic import DriverSettings, findings, open_coils, threshold_of
+from passo.board.trinamic import DriverSettings, threshold_of
 from passo.config.trinamic import CHIPS
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
@@ -16,6 +16,7 @@ from passo.gcode.parameters import TOOL, axes, integer, refused
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.printer.commands.driver_registers import change
 from passo.printer.wait_requests import Reply, Wait
+from passo.printer.watch.driver_report import mode_of, problems_of, status_of
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -110,7 +111,7 @@ class DriverCommands:
         if "S" not in words:
             self._tell_inputs(reply)
             for motor, state in self._watch.states.items():
-                reply.say(f"{motor.upper()} driver mode: {_mode(state)}")
+                reply.say(f"{motor.upper()} driver mode: {mode_of(state)}")
             return None
         letters = [letter for letter in command.letters() if letter not in "SIT"]
         motors = list(self._watch.states)
@@ -190,23 +191,15 @@ class DriverCommands:
     def status_lines(self) -> Iterator[str]:
         """One or more lines for each driver; the status is at most about a second old."""
         for motor, state in self._watch.states.items():
-            settings, currents = state.settings, state.settings.currents
-            yield (
-                f"{motor.upper()} {settings.chip} {currents.run_a:.2f} A running,"
-                f" {currents.hold_a:.2f} A standing, {settings.microsteps} microsteps,"
-                f" {_mode(state)}"
+            found = status_of(motor, state)
+            line = (
+                f"{motor.upper()} {found.chip} {found.run_a:.2f} A running,"
+                f" {found.hold_a:.2f} A standing, {found.microsteps} microsteps, {found.mode}"
             )
-            yield from (f"  {sentence}" for sentence in self._sentences(motor, state))
-
-    def _sentences(self, motor: str, state: DriverState) -> Iterator[str]:
-        if state.failure is not None:
-            yield str(state.failure.problem)
-        elif state.reading is not None:
-            chip = state.settings.chip
-            for finding in findings(motor, chip, state.reading):
-                yield str(finding.problem)
-            for coil in open_coils(chip, state.reading):
-                yield f"coil {coil} looks open; that counts only while the motor turns slowly"
+            if found.temperature_c is not None and found.supply_v is not None:
+                line += f", {found.temperature_c:.0f} °C, {found.supply_v:.1f} V"
+            yield line
+            yield from (f"  {problem}" for problem in problems_of(motor, state))
 
     @command(
         "M911",
@@ -236,7 +229,3 @@ class DriverCommands:
         for letter in letters:
             self._watch.prewarned.difference_update(self._motors(letter, reply))
         return None
-
-
-def _mode(state: DriverState) -> str:
-    return "spreadCycle" if state.settings.threshold is None else "stealthChop"

@@ -55,6 +55,19 @@ def _active_extruder(machine: MachineConfig, tool: int) -> str:
     return "" if hotend is None else heater_object(machine, hotend)
 
 
+def driver(status: Status, name: str) -> Object:
+    """The driver of a motor: its currents, and the flags of its status that are set."""
+    found = status.drivers[name]
+    return {
+        "run_current": found.run_a,
+        "hold_current": found.hold_a,
+        "drv_status": found.flags,
+        "temperature": found.temperature_c,
+        "mcu_phase_offset": None,
+        "phase_offset_position": None,
+    }
+
+
 def gcode_move(status: Status) -> Object:
     """The state of the interpreter: modes, offsets, factors and the program's position."""
     motion, tool = status.motion, status.tool

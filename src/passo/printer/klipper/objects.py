@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from passo.config.klipper_names import (
     board_object,
+    driver_object,
     fan_object,
     heater_object,
     number_of,
     sensor_object,
+    stepper_object,
     temperature_object,
 )
 from passo.printer.klipper.bed import bed_mesh, levelled, manual_probe, probe, screws_tilt_adjust
@@ -34,6 +36,7 @@ from passo.printer.klipper.job import (
 )
 from passo.printer.klipper.machine import mcu, webhooks
 from passo.printer.klipper.motion import (
+    driver,
     gcode_move,
     input_shaper,
     motion_report,
@@ -113,6 +116,10 @@ def objects(
         found[f"gcode_button {name}"] = lambda pressed=pressed: {
             "state": "PRESSED" if pressed else "RELEASED"
         }
+    for name, part in status.drivers.items():
+        found[driver_object(part.chip, stepper_object(name))] = lambda name=name: driver(
+            status, name
+        )
     for name in status.boards:
         found[board_object(name)] = lambda name=name: mcu(status, name)
     for name, values in variables.items():

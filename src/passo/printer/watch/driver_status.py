@@ -12,6 +12,7 @@ from passo.board.trinamic import DriverSettings, Finding, findings
 from passo.board.trinamic.stall import stall_settings, stall_threshold
 from passo.errors import MachineError
 from passo.motion.motion_queue import TICK_S
+from passo.printer.watch.driver_report import with_drivers
 
 if TYPE_CHECKING:
     from passo.board.boards import Boards
@@ -43,6 +44,7 @@ class DriverWatch:
         self._held: dict[str, DriverSettings] = {}  # from before a detection of stalls
         self._told: set[tuple[str, str]] = set()
         self._next_look = 0
+        state.status_parts.append(lambda status: with_drivers(status, self.states))
 
     def begin(self, boards: Boards) -> None:
         """Call this after the boards have restarted: sets up their drivers. Lets time pass; raises
