@@ -1,5 +1,5 @@
-// Frames on their way to the board: numbered, kept until the board acknowledges them, and sent
-// again if they are lost.
+// The frames in transit to a board. Each has a number, is kept until the board acknowledges it, and
+// is sent again if it is lost.
 #pragma once
 #include <cstdint>
 
@@ -8,26 +8,29 @@
 
 namespace passo::wire {
 
-// The retransmission timer is that of RFC 6298 (smoothed round trip plus four times its variation),
-// bounded by 25 ms and 5 s, adapted to a dedicated line, where losses are never congestion and a
-// step is due at the end of the horizon: - it runs from when the frame's last byte has gone out,
-// which no round trip contains either; - it doubles only while the board has not answered at all,
-// or after kSteady silent repetitions,
-//   and any good frame of the board ends that;
-// - where a board refuses copies of what it had, their time since the first sending counts as a
-//   round trip. RFC 6298 waits longer instead until one can be measured. The refusal must come
-//   later than the answer, as the copy left later than the first: where answers were lost, it is
-//   the copies that are answered, and all of that comes at once.
+// The retransmission timer is that of RFC 6298: smoothed round trip plus four times its variation,
+// within 25 ms and 5 s. It is adapted to a dedicated line, where a loss is never congestion, and
+// where each step must arrive in time:
+//
+// - The timer starts when the last byte of the frame has been sent. A round trip starts there too.
+// - The timeout doubles only until the board has answered once, or after kSteady repetitions
+// without
+//   an answer. Any valid frame from the board ends the doubling.
+// - If a repeated frame is acknowledged, and its copies are refused later, the acknowledgement was
+// for
+//   the first sending. So the time between the two is a round trip, which RFC 6298 cannot measure.
+//   If the first acknowledgement was lost, the copies are acknowledged and refused at the same
+//   time.
 class Window {
  public:
   static constexpr uint64_t kBlocks = 12;
-  // A frame under construction may overrun its end by a command.
+  // A frame under construction may exceed its maximum length by one command.
   static constexpr size_t kOverrun = 24;
-  // Repetitions at a constant distance. At the shortest distance they take 100 ms; each command
-  // leaves earlier than that before it is due.
+  // Number of repetitions before the timeout doubles. With the shortest timeout they take 100 ms,
+  // and commands are sent earlier than that before they are due.
   static constexpr int kSteady = 4;
-  // Fractions of the minimum wait for an answer: an answer that is late by less than the first
-  // counts as usual; answers within the second came together.
+  // Fractions of the minimum timeout. An answer that is late by less than the first fraction may be
+  // the answer to the last copy. Answers within the second fraction count as simultaneous.
   static constexpr Ticks kUsualShare = 10, kApartShare = 2;
 
   explicit Window(double clock_hz)
@@ -40,7 +43,7 @@ class Window {
   // Ticks that a byte takes on the line; 0: negligible.
   void set_byte_ticks(double ticks) { byte_ticks_ = ticks; }
 
-  // Drops all unanswered frames: the board restarts and may count from any number.
+  // Drops all frames: the board has restarted, and its next number is unknown.
   void restart();
 
   bool room(size_t payload) const {
@@ -48,36 +51,36 @@ class Window {
     return receive_window_ == 0 || bytes_ == 0 || bytes_ + kFrameMin + payload <= receive_window_;
   }
   bool idle() const { return next_ == acked_; }
-  // Some frames that the board has not acknowledged were sent more than once.
+  // Whether the oldest frame that is not acknowledged was sent more than once.
   bool resending() const { return !idle() && blocks_[acked_ & kSequenceMask].again; }
-  // The board has refused a frame, which poll() sends again.
+  // Whether the board has refused a frame, which poll() will send again.
   bool refused() const { return resend_; }
   uint64_t next() const { return next_; }
   uint64_t acked() const { return acked_; }
   uint64_t retransmitted_bytes() const { return retransmitted_bytes_; }
-  // Payload of the next frame, to be filled before seal(): kPayloadMax + kOverrun bytes.
+  // Where to write the payload of the next frame before seal(): kPayloadMax + kOverrun bytes.
   uint8_t* payload() { return block(next_).data + kHeader; }
 
   // Completes the next frame and sends it.
   void seal(size_t payload, Ticks now, Bytes& out);
 
-  // Replaces all frames that the board has not acknowledged, and the next one, by `payload`: the
-  // board accepts this frame next. poll() repeats it at short intervals, and sends nothing new
-  // until the board has it. Returns false while the board's first answer is outstanding: then call
-  // it again after that answer.
+  // Replaces all frames that the board has not acknowledged, and the next one, by `payload`, so
+  // that the board accepts this payload next. poll() repeats it at short intervals, and no new
+  // frame is sent until the board has acknowledged it. Returns false if the board has not answered
+  // since the restart: then call it again after the first answer.
   bool replace(const Bytes& payload);
 
-  // A good frame came from the board. `empty`: an acknowledgement without content; the second with
-  // the same number is a refusal. Returns false if the number is impossible; then the frame is
-  // ignored.
+  // Handles a valid frame from the board. `empty`: it has no content. A second empty frame with the
+  // same number is a refusal. Returns false if the number is impossible; then ignore the frame.
   bool acknowledge(uint8_t sequence, bool empty, Ticks now);
 
   // Sends due frames again. Call it before seal().
   void poll(Ticks now, Bytes& out);
   Ticks deadline() const { return idle() ? kNever : deadline_; }
-  // The frame was sent again, or is too old to be known.
+  // Whether the frame was sent more than once, or is no longer known.
   bool repeated(uint64_t number) const;
-  // The frame was the first after a restart: an answer to it may be that to another one.
+  // Whether the frame was sent before the first answer after a restart. Then an answer may belong
+  // to an earlier frame.
   bool opening(uint64_t number) const { return blocks_[number & kSequenceMask].opening; }
   size_t length(uint64_t number) const { return blocks_[number & kSequenceMask].length; }
   Ticks sent_at(uint64_t number) const { return blocks_[number & kSequenceMask].sent; }
@@ -86,31 +89,31 @@ class Window {
   struct Block {
     uint8_t data[kFrameMax + kOverrun];
     uint8_t length = 0;
-    bool again = false;  // also of numbers that renumbering has left out, and of the first
+    bool again = false;  // sent more than once, or before the board's first answer
     bool opening = false;
-    Ticks sent = 0, gone = 0;  // time of its first sending; and when its last byte left then
+    Ticks sent = 0, gone = 0;  // first sending: start, and end of the last byte
   };
 
   Block blocks_[kSequenceMask + 1];
-  uint64_t next_ = 1, acked_ = 1;  // of the next frame; of the oldest one not acknowledged
+  uint64_t next_ = 1, acked_ = 1;  // number of the next frame, of the oldest not acknowledged
   uint64_t last_ack_ = 1, ignored_ = 0;
-  uint64_t urgent_ = 0;  // frames before this are short and must not wait
+  uint64_t urgent_ = 0;  // frames before this number are those of replace()
   size_t bytes_ = 0, receive_window_ = 0;
   bool synchronous_ = false, resend_ = false, measured_ = false;
   Ticks rto_min_, rto_max_, rto_start_, rto_, base_ = 0, deadline_ = kNever;
   Ticks smooth_ = 0, variation_ = 0;
   double byte_ticks_ = 0;
-  Ticks line_free_ = 0;      // when the last byte so far has left
-  int silent_ = 0;           // repetitions since the board last answered
-  Ticks doubtful_ = kNever;  // from the first sending of a repeated frame to its answer
-  Ticks apart_ = 0;          // frames before this came with that answer
-  Ticks copied_ = 0;         // when the last copy had left
+  Ticks line_free_ = 0;      // end of the last byte sent
+  int silent_ = 0;           // number of repetitions since the last answer
+  Ticks doubtful_ = kNever;  // a round trip, if the acknowledgement was for the first sending
+  Ticks apart_ = 0;          // frames before this clock are simultaneous with that acknowledgement
+  Ticks copied_ = 0;         // end of the last copy
   uint64_t retransmitted_bytes_ = 0;
 
   Ticks patience() const { return acked_ < urgent_ ? rto_min_ : rto_; }
   Block& block(uint64_t number) { return blocks_[number & kSequenceMask]; }
 
-  // Returns when the last of these bytes has left.
+  // Sends this number of bytes on the line. Returns the end of the last one.
   Ticks on_the_line(size_t bytes, Ticks now);
 
   void renumber(uint64_t number);

@@ -13,7 +13,7 @@ DECL_SHUTDOWN_REASON(STEPPER_ACTIVE, "Can't reset time when stepper active");
 DECL_SHUTDOWN_REASON(STEPPER_PINS, "Image cannot drive a stepper with these pins and pulses");
 DECL_REPORT("stepper_position oid=%c pos=%i");
 
-// If a first step is later than this, the cause is not the lateness of the last message.
+// A first step that is later than this means a wrong clock, not a message that was a little late.
 #define LATE (HAL_CLOCK_HZ / 1000)
 
 static uint8_t axes;
@@ -31,7 +31,7 @@ void stepper_halt(struct stepper *stepper) {
   hal_irq_restore(irq);
 }
 
-// Returns completed moves of the generator to the pool.
+// Returns moves that the generator has completed to the pool.
 DECL_ON_POOL_EMPTY(steppers_reclaim);
 void steppers_reclaim(void) {
   for (uint8_t axis = 0; axis < axes; ++axis) {
@@ -52,14 +52,15 @@ void command_config_stepper(const uint32_t *args) {
   if (stepper != NULL) stepper->axis = axes++;
 }
 
-// Returns a slot with the move of a command (args[1] and the next ones); null after a shutdown.
+// Takes a move from the pool and fills it from a command (args[1] to args[3]). Returns null after a
+// shutdown.
 static struct move *move_of(const uint32_t *args, uint8_t direction) {
   uint32_t interval = args[1];
   uint16_t count = (uint16_t)args[2];
   int16_t add = (int16_t)args[3];
   struct move *move = move_take();
   if (move == NULL) return NULL;
-  // The last interval must be neither negative nor large enough to look negative in a 32-bit clock.
+  // The last interval must not be negative, and must not look negative in a 32-bit clock.
   uint32_t change = (uint32_t)(add < 0 ? -(int32_t)add : add) * (uint16_t)(count - 1);
   if (count > 0 && ((int32_t)interval < 0 || (count > 1 && interval == 0) ||
                     (add < 0 ? change > interval : (int32_t)(interval + change) < 0))) {
@@ -75,7 +76,7 @@ static struct move *move_of(const uint32_t *args, uint8_t direction) {
   return move;
 }
 
-// Sets a new clock, and accepts steps again.
+// Sets the clock of the last step, and accepts steps again.
 static void set_clock(struct stepper *stepper, uint32_t clock) {
   hal_irq_t irq = hal_irq_save();
   if (stepgen_active(stepper->axis)) {
@@ -88,8 +89,8 @@ static void set_clock(struct stepper *stepper, uint32_t clock) {
   hal_irq_restore(irq);
 }
 
-// Handles a step that came too late. While axes home, stops all motors, reports it to the host and
-// returns true. Returns false if the board must shut down.
+// Handles a step that came too late. During homing with survive, stops all motors, informs the host
+// and returns true. Otherwise returns false: the board must shut down.
 static bool stop_homing(void) {
   struct stepper *stepper;
   if (!survive_is_homing()) return false;
@@ -99,7 +100,7 @@ static bool stop_homing(void) {
   return true;
 }
 
-// Passes a move to the generator; a move without steps sets the clock.
+// Passes a move to the generator. A move without steps sets the clock instead.
 static void give(struct stepper *stepper, struct move *move) {
   uint32_t interval = move->interval;
   if (move->count == 0) {
@@ -116,7 +117,7 @@ static void give(struct stepper *stepper, struct move *move) {
   uint32_t first_step = stepper->last + interval;
   if (!stepgen_append(stepper->axis, move, first_step)) {
     move_free(move);
-    if (stepper->halted || stop_homing()) return;  // a shutdown may have come just now
+    if (stepper->halted || stop_homing()) return;  // halted: by a shutdown just now
     shut_down((int32_t)(hal_clock() - first_step) > (int32_t)LATE ? SHUTDOWN_STEP_TOO_LATE
                                                                   : SHUTDOWN_TIMER_TOO_CLOSE);
     return;

@@ -1,4 +1,4 @@
-// Motors: the host's queue for the step generator.
+// Motors: queues of moves from the host for the step generator.
 #pragma once
 #include <stdbool.h>
 #include <stdint.h>
@@ -16,33 +16,35 @@ struct move_list {
 struct stepper {
   struct object object;
   // Written by the foreground under hal_irq_save(), see trsync.h.
-  struct trsync *group;  // or null
+  struct trsync *group;  // null if the motor is not in a group
   struct stepper *next_of_group;
   uint32_t last;            // clock of the last queued step; written by the foreground
   uint8_t axis, direction;  // written by the foreground
-  // Steps are ignored until reset_step_clock. Written by foreground and timer.
+  // Moves are ignored until reset_step_clock. Written by foreground and timer.
   volatile bool halted;
-  // Written by the foreground: moves that wait for their commit; moves that stop the motor if no
-  // further commit comes; and their replacement in the next commit (survive_state.h).
+  // For survive (survive_state.h): moves that wait for their commit; the tail, which stops the
+  // motor if no further commit comes; and the tail of the next commit. Written by the foreground.
   struct move_list staged, tail, next_tail;
 };
 
 // Stops a motor at once. Any context.
 void stepper_halt(struct stepper *stepper);
-// What survive.c does with moves that wait. Foreground.
+// The next functions are for survive.c, in the foreground.
 //
-// Puts a move into the tail of the next commit: `args` as those of survive_tail. Its interval
-// counts from the step before; with a count of 0 it is what reset_step_clock sets.
+// Appends a move to the tail of the next commit. `args` are those of survive_tail. If the count is
+// 0, the interval is a clock, as in reset_step_clock.
 void stepper_add_tail(struct stepper *stepper, const uint32_t *args);
-// Passes the next staged move with steps to the generator; returns false if no such move is staged.
+// Passes the next staged move with steps to the generator, and the clocks before it. Returns false
+// if there is no such move.
 bool stepper_give_staged(struct stepper *stepper);
-// Replaces the tail by the next tail.
+// Replaces the tail by that of the next commit.
 void stepper_take_tail(struct stepper *stepper);
-// Returns true if the motor is at standstill, and its first staged step, or the first step of the
-// next tail, is past or may be past when the commit is done.
+// Returns whether the first step after standstill would be too late: the first staged one, or
+// without staged steps that of the next tail. HAL_COMMIT_WORK is the time for queueing the moves of
+// a commit.
 bool stepper_is_late(const struct stepper *stepper);
-// Replaces the staged moves by the tail.
+// Replaces the staged moves by the tail, and drops the next tail.
 void stepper_stage_tail(struct stepper *stepper);
-// Drops the staged moves and the next tail. If `tail` is true, also drops the active tail and
-// applies staged clocks: the host takes over.
+// Drops the staged moves and the next tail. If `tail` is true, also drops the tail, and sets staged
+// clocks at standstill.
 void stepper_forget(struct stepper *stepper, bool tail);

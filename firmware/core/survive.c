@@ -1,4 +1,4 @@
-// Survive: the commands of the host, and the decision to brake (survive_state.h).
+// Survive (survive_state.h): the host's commands, and the decision to brake.
 #include <stddef.h>
 
 #include "command.h"
@@ -24,17 +24,19 @@ DECL_ENUMERATION("survive", "braking", 4);
 DECL_ENUMERATION("survive", "held", 5);
 DECL_ENUMERATION("survive", "lost", 6);
 
-// The board decides this long before the clock of the commit: long enough to queue all tails, or
-// all moves of a commit that arrives just in time.
+// The board decides this long before the clock of the last commit. The time must be enough to queue
+// all tails, or all moves of a commit that arrives just in time.
 #define GUARD (HAL_CLOCK_HZ / 200)
-// Maximum time in seconds that an output may be kept.
+// Maximum time, s, for which an output may be kept without the host.
 #define LONGEST 60
 
 static bool decide(struct timer *timer);
 static struct timer decision = {.run = decide};
-// Decided, and the tails not queued yet. Written like survive.state.
+// The board has decided to brake, but has not queued the tails yet. Written by the same contexts as
+// survive.state.
 static volatile bool tails_pending;
-static uint32_t serial, limit;  // of the last commit; written by the foreground
+// Serial number and clock of the last commit. Written by the foreground.
+static uint32_t serial, limit;
 
 DECL_START(survive_commits_start);
 void survive_commits_start(void) {
@@ -70,11 +72,12 @@ static bool any_active(void) {
 static bool report_state(void) {
   if (survive.state == SURVIVE_BRAKING && !tails_pending && !any_active())
     survive.state = SURVIVE_HELD;
-  uint8_t told = survive.state == SURVIVE_RESTING && any_active() ? SURVIVE_MOVING : survive.state;
-  return report(REPORT_SURVIVE_STATE, (uint32_t[]){told, serial, limit}, 3);
+  uint8_t state = survive.state;
+  if (state == SURVIVE_RESTING && any_active()) state = SURVIVE_MOVING;
+  return report(REPORT_SURVIVE_STATE, (uint32_t[]){state, serial, limit}, 3);
 }
 
-// One move of each motor in turn, so that the most urgent moves come first.
+// Passes one move of each motor in turn to the generator, so that the most urgent moves come first.
 static void give_staged(void) {
   struct stepper *stepper;
   for (bool more = true; more;) {
@@ -84,8 +87,8 @@ static void give_staged(void) {
   }
 }
 
-// Queues the tails after a decision, before any other task can delay that. After a shutdown, drops
-// everything.
+// After a decision, queues the tails, before another task can delay that. After a shutdown, drops
+// all moves.
 DECL_TASK(survive_task, EVERY_PASS);
 DECL_ON_CLEAR_SHUTDOWN(survive_task);
 void survive_task(void) {
@@ -101,12 +104,12 @@ void survive_task(void) {
       stepper_stage_tail(stepper);
     give_staged();
   }
-  // A host that was only late must be informed.
+  // The host may be connected, but late: then it needs the report.
   if (survive.report_pending) survive.report_pending = !report_state();
 }
 
-// The host takes over while the motors are at standstill: staged moves are void.
-static void begin(uint8_t to) {
+// Enters a state at standstill, on command of the host. Staged moves are dropped.
+static void enter(uint8_t to) {
   struct stepper *stepper;
   if (!check_finalized()) return;
   survive_task();
@@ -119,20 +122,20 @@ DECL_COMMAND(command_survive_arm, "survive_arm", 0);
 void command_survive_arm(const uint32_t *args) {
   (void)args;
   if (survive.state == SURVIVE_OFF) serial = 0;
-  begin(SURVIVE_RESTING);
+  enter(SURVIVE_RESTING);
 }
 
 DECL_COMMAND(command_survive_home, "survive_home", 0);
 void command_survive_home(const uint32_t *args) {
   (void)args;
   serial = 0;
-  begin(SURVIVE_HOMING);
+  enter(SURVIVE_HOMING);
 }
 
 DECL_COMMAND(command_survive_off, "survive_off", 0);
 void command_survive_off(const uint32_t *args) {
   (void)args;
-  begin(SURVIVE_OFF);
+  enter(SURVIVE_OFF);
 }
 
 DECL_COMMAND(command_survive_tail, "survive_tail oid=%c interval=%u count=%hu add=%hi dir=%c", 0);
@@ -148,7 +151,7 @@ void command_survive_commit(const uint32_t *args) {
   for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
     late |= stepper_is_late(stepper);
   hal_irq_t irq = hal_irq_save();
-  // At rest no timer runs, so lateness is detected here.
+  // The timer of the decision does not run at rest, so lateness is detected here.
   if (survive_stages() && (survive.missed || (late && survive.state == SURVIVE_RESTING))) {
     survive.state = SURVIVE_MOVING;
     decide(&decision);
@@ -161,9 +164,9 @@ void command_survive_commit(const uint32_t *args) {
     limit = args[1];
     decision.wake = limit - GUARD;
     if (args[2] != 0)
-      ;  // there is nothing to decide
+      ;  // no decision: the motors stop after this commit
     else if (before(decision.wake, hal_clock() + HAL_SHORTEST_PERIOD))
-      decide(&decision);  // the motion has nearly ended
+      decide(&decision);  // the time for the decision has passed
     else
       timer_add(&decision);
   }
@@ -176,7 +179,7 @@ void command_survive_commit(const uint32_t *args) {
   }
   for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
     stepper_forget(stepper, false);
-  // Sent before the acknowledgement, so that a host with the acknowledgement has this report, too.
+  // Sent before the acknowledgement of the commit: a host with the acknowledgement has the report.
   if (survive.state >= SURVIVE_BRAKING) survive.report_pending = !report_state();
 }
 
