@@ -34,7 +34,7 @@ def test_virtual_time_begins_at_0_and_jumps_to_the_next_deadline(virtual):
     assert [t for _, t in seen] == pytest.approx([s for s, _ in seen], abs=1e-8)
 
 
-def test_twice_the_same_in_virtual_time():
+def test_virtual_time_is_reproducible():
     def run():
         loop, seen = VirtualLoop(), []
 

@@ -38,7 +38,7 @@ class Board:
         return {"i2c_bus_status": self.status, "response": b"\x44"}
 
 
-def test_registers_in_newer_words() -> None:
+def test_registers_by_newer_i2c_messages() -> None:
     board = Board(NEWER, 0)
     registers = I2cRegisters(board, WIRE)
     assert registers.read(0x0F) == 0x44
@@ -53,7 +53,7 @@ def test_registers_in_newer_words() -> None:
             call()
 
 
-def test_registers_in_older_words() -> None:
+def test_registers_by_older_i2c_messages() -> None:
     board = Board(OLDER, 1)
     registers = I2cRegisters(board, WIRE)
     assert registers.read(0x0F) == 0x44

@@ -51,7 +51,7 @@ def test_the_configuration_names_every_part_once():
     ]
 
 
-def test_an_output_that_rests_on_is_configured_so():
+def test_output_that_is_on_at_start_is_configured_on():
     board = replace(BOARD, outputs=(*BOARD.outputs, Output("lamp", "PA0", start=1.0, at_halt=1.0)))
     dictionary = Dictionary.parse(compressed_dictionary(board))
     lines = commands(board, dictionary)
@@ -78,7 +78,7 @@ def test_sensors_report_four_times_a_second_within_their_range():
     ]
 
 
-def test_wires_to_drivers_and_converters():
+def test_buses_of_drivers_and_converters_are_configured():
     silent = DriverSettings("TMC2209", 0.8, 0.8, 0.11)
     bus = ("PA1", "PA2", "PA3")
     wired = SpiPins("PA4", *bus, mode=0)
@@ -147,5 +147,5 @@ def test_wires_to_drivers_and_converters():
 @pytest.mark.parametrize(
     ("hz", "ticks"), [(16_000_000, 1776), (84_000_000, 2100), (168_000_000, 4200)]
 )
-def test_the_bits_of_a_uart_are_as_long_as_a_board_can_make_them(hz, ticks):
+def test_uart_bit_time_is_within_the_boards_ability(hz, ticks):
     assert uart_bit_ticks(hz) == ticks

@@ -113,7 +113,7 @@ def test_a_board_that_was_in_use_is_reset():
     assert second.move_count == 1024
 
 
-def test_a_board_that_is_configured_otherwise_is_reset():
+def test_board_with_another_configuration_is_reset():
     simulated = SimulatedBoard(description(), PLANT, START)
     first = Connection(description(), InProcess(simulated.device, START))
     first.connect()
@@ -146,7 +146,7 @@ def test_a_board_that_is_shut_down_is_reset():
 
 
 @pytest.mark.parametrize("ms", [0, 5, 18, 30])
-def test_late_bytes_of_another_link_do_not_mislead(ms):
+def test_late_bytes_of_an_old_link_are_ignored(ms):
     bench = Bench()
     late = _core.Distant(bench.device, 0, 0.0, 10 * MS, 2 * MS, 1)
     port = InProcess(late, START)
@@ -176,7 +176,7 @@ def test_board_with_another_clock_frequency_is_refused():
         connection.connect()
 
 
-def test_an_unanswered_question_is_named():
+def test_unanswered_query_is_named_in_the_error():
     bench = Bench()
     with pytest.raises(BoardSilentError, match="debug_nop"):
         bench.connection.ask("debug_nop", "pong")
@@ -197,7 +197,7 @@ def test_a_late_answer_is_not_sent_to_another_client():
     assert bench.connection.net_steps("x") == 7
 
 
-def test_a_late_answer_is_not_taken_for_news():
+def test_late_answer_is_not_used_for_a_new_query():
     bench = Bench()
     plan = Planner()
     plan.steps(0, True, 40_000, 7)
@@ -247,7 +247,7 @@ def test_unrequested_reports_are_kept_in_order():
     assert bench.connection.take_responses() == []
 
 
-def test_dictionary_of_the_wire_is_the_simulators():
+def test_board_sends_the_simulators_dictionary():
     bench = Bench()
     assert bench.connection.dictionary == Dictionary.parse(compressed_dictionary(bench.board))
     assert bench.connection.dictionary.name_of("static_string_id", 2) == "Timer too close"

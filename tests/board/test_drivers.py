@@ -64,7 +64,7 @@ def bench(*chips: ChipName, wires: Wires | None = None, **settings) -> tuple[Ben
 
 
 @pytest.mark.parametrize("chip", WIRES)
-def test_settings_arrive(chip: ChipName):
+def test_driver_registers_have_the_settings(chip: ChipName):
     made, drivers = bench(chip)
     drivers.configure()
     state = drivers.states["x"]
@@ -158,7 +158,7 @@ class SpoilingLink(LosingLink):
 
 
 @pytest.mark.parametrize("chip", WIRES)
-def test_any_answer_that_is_lost_at_the_start_spoils_nothing(chip: ChipName):
+def test_any_lost_answer_during_setup_is_recovered(chip: ChipName):
     """Of SPI an answer is that to the question before; by UART the chip counts what it was told."""
     lost, seen = 0, 1
     while lost < seen:
@@ -173,7 +173,7 @@ def test_any_answer_that_is_lost_at_the_start_spoils_nothing(chip: ChipName):
 
 
 @pytest.mark.parametrize("chip", WIRES)
-def test_a_link_that_loses_every_answer_is_not_the_drivers_fault(chip: ChipName):
+def test_dead_link_is_not_reported_as_driver_failure(chip: ChipName):
     made, drivers = bench(chip)
     made.connection.link = LosingLink(made, REPORTS[chip], range(1, 1000))
     with pytest.raises(MachineError, match=f"does not answer {REPORTS[chip][:3]}"):
@@ -182,7 +182,7 @@ def test_a_link_that_loses_every_answer_is_not_the_drivers_fault(chip: ChipName)
 
 
 @pytest.mark.parametrize("chip", WIRES)
-def test_half_of_all_answers_may_be_lost(chip: ChipName):
+def test_setup_succeeds_if_half_of_all_answers_are_lost(chip: ChipName):
     """What was answered is not asked again for the sake of what was not."""
     made, drivers = bench(chip)
     rng = random.Random(3)
@@ -230,7 +230,7 @@ def test_require_reports_each_driver_that_fails():
 @pytest.mark.parametrize(
     ("chip", "other"), [("TMC2208", 0x21), ("TMC2209", 0x20), ("TMC2130", 0x30), ("TMC5160", 0x11)]
 )
-def test_another_chip_is_named_and_left_alone(chip: ChipName, other: int):
+def test_wrong_chip_is_named_and_not_configured(chip: ChipName, other: int):
     made, drivers = bench(chip)
     simulated = made.simulated.drivers["x"]
     simulated.set(CHIPS[chip].registers["IOIN"].address, other << 24)
@@ -255,7 +255,7 @@ def test_damaged_answers_are_asked_for_again(chip: ChipName, damaged: int):
     assert drivers.states["x"].reading.status == 0
 
 
-def test_two_on_one_wire_are_distinguished():
+def test_two_drivers_on_one_wire_are_distinguished():
     made, drivers = bench("TMC2209", "TMC2209")
     drivers.configure()
     drivers.begin_configure("y", replace(drivers.states["y"].settings, run_a=0.3))
@@ -265,7 +265,7 @@ def test_two_on_one_wire_are_distinguished():
 
 
 @pytest.mark.parametrize("chip", WIRES)
-def test_status_is_asked_while_time_passes(chip: ChipName):
+def test_driver_status_is_polled(chip: ChipName):
     made, drivers = bench(chip)
     drivers.configure()
     made.simulated.drivers["x"].set(CHIPS[chip].status.address, flags(chip))
@@ -310,7 +310,7 @@ def test_unplugged_driver_is_set_up_when_it_is_back(chip: ChipName):
 
 
 @pytest.mark.parametrize("chip", WIRES)
-def test_an_answer_that_the_wire_loses_is_asked_for_again(chip: ChipName):
+def test_lost_driver_answer_is_requested_again(chip: ChipName):
     made, drivers = bench(chip)
     drivers.configure()
     made.simulated.drivers["x"].set(CHIPS[chip].status.address, flags(chip))

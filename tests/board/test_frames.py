@@ -17,7 +17,7 @@ def test_crc_has_the_published_check_value():
 
 
 @given(st.binary(max_size=80))
-def test_crc(data):
+def test_crc_of_random_bytes_equals_the_oracles(data):
     assert _core.crc16(data) == wire.crc16(data)
 
 
@@ -31,7 +31,7 @@ def test_integer_sizes_change_at_the_published_bounds(first, last, size):
 
 
 @given(st.integers(-(2**31), 2**32 - 1))
-def test_integers_come_back_modulo_2_to_32(value):
+def test_integers_are_decoded_modulo_2_to_32(value):
     data = _core.encode_vlq(value)
     assert data == wire.vlq(value)
     back, used = _core.decode_vlq(data + b"\xff")
@@ -85,7 +85,7 @@ def test_noise_ends_with_the_next_good_frame(noise):
     assert found[-1] == (9, b"hello")
 
 
-def test_each_stretch_of_noise_counts_once():
+def test_consecutive_noise_counts_as_one_error():
     scanner = _core.FrameScanner()
     assert scanner.feed(b"\x03\x03\x03\x03") == [None]
     assert scanner.feed(b"\x03\x03\x7e") == []

@@ -70,7 +70,7 @@ def test_target_that_is_not_a_number_is_off(target):
     assert bench.simulated.output_value("hotend") == 0
 
 
-def test_a_new_target_is_not_reached_yet():
+def test_new_target_counts_as_not_reached():
     bench = Bench()
     c = bench.connection
     c.set_target("hotend", 60.0)
@@ -80,7 +80,7 @@ def test_a_new_target_is_not_reached_yet():
     assert not c.run(c.now + HZ, until_heaters=True)
 
 
-def test_a_wait_without_targets_ends_at_once():
+def test_wait_without_target_ends_at_once():
     bench = Bench()
     before = bench.connection.now
     assert bench.connection.run(before + HZ, until_heaters=True)
@@ -112,14 +112,14 @@ def test_a_broken_sensor_is_a_fault_within_a_second(ratio, kind, target):
     assert bench.simulated.output_value("hotend") == 0
 
 
-def test_without_a_listener_a_fault_is_raised():
+def test_fault_without_listener_is_raised():
     bench = Bench()
     bench.simulated.force_sensor("hotend", 1.0)
     with pytest.raises(MachineError, match="means a broken cable"):
         bench.run(1.0)
 
 
-def test_the_board_itself_cuts_off_below_the_hosts_protections():
+def test_board_switches_heater_off_without_host_protections():
     bench = Bench()
     bench.connection.set_target("hotend", 200.0)
     bench.run(10.0)
@@ -145,7 +145,7 @@ def test_a_board_without_a_host_switches_its_heater_off():
 
 
 @pytest.mark.parametrize("pwm", [False, True])
-def test_an_output_that_is_on_when_low_heats_alike(pwm):
+def test_active_low_output_heats_in_the_same_way(pwm):
     plain = description(pwm=pwm)
     fan, heat, *others = plain.outputs
     low = replace(plain, outputs=(fan, replace(heat, pin="!PB4"), *others))
@@ -165,7 +165,7 @@ def test_an_output_that_is_on_when_low_heats_alike(pwm):
     assert temperatures[0] == temperatures[1] > 40
 
 
-def test_an_output_that_is_on_when_low_is_off_after_a_shutdown():
+def test_active_low_output_is_off_after_shutdown():
     plain = description()
     fan, heat, *others = plain.outputs
     bench = Bench(replace(plain, outputs=(fan, replace(heat, pin="!PB4"), *others)))

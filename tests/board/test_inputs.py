@@ -28,7 +28,7 @@ def test_repeated_states_are_acknowledged_and_counted_once():
     assert taken(inputs, 2, 2) == (1, {"door": (False,)})
 
 
-def test_states_are_counted_in_a_byte():
+def test_state_counter_wraps_after_255():
     inputs = reports()
     for i in range(300):
         assert taken(inputs, i % 256, (i + 1) % 2)[0] == 1

@@ -47,7 +47,7 @@ def assert_blamed(bench: Bench, cause: Cause, least: int, most: int) -> Slack:
     return slack
 
 
-def test_without_trouble_no_frame_is_late():
+def test_no_frame_is_late_on_a_good_link():
     bench = Bench()
     wire, base = running(bench, long_plan(3.0), delay=MS)
     wire.run(base + 3 * HZ)
@@ -56,7 +56,7 @@ def test_without_trouble_no_frame_is_late():
     assert late(bench) == {}
 
 
-def test_a_program_that_does_not_run_is_to_blame():
+def test_late_frames_are_explained_by_a_stalled_program():
     bench = Bench()
     wire, base = running(bench, long_plan(3.0), delay=MS)
     wire.now += 100 * MS
@@ -68,7 +68,7 @@ def test_a_program_that_does_not_run_is_to_blame():
     assert 75 * MS <= bench.link.longest_stall <= 100 * MS
 
 
-def test_an_answer_that_waited_for_the_program_does_not_count():
+def test_answer_delayed_by_a_stall_is_not_a_slow_link():
     bench = Bench()
     wire, _ = running(bench, long_plan(3.0), delay=MS)
     sent = len(wire.sent)
@@ -84,7 +84,7 @@ def test_an_answer_that_waited_for_the_program_does_not_count():
     assert late(bench) == {}
 
 
-def test_a_plan_that_comes_late_is_to_blame():
+def test_late_frames_are_explained_by_late_planning():
     bench = Bench()
     plan = long_plan(1.4)
     wire, base = running(bench, plan)
@@ -100,7 +100,7 @@ def test_a_plan_that_comes_late_is_to_blame():
     assert 84 * MS <= slack.held <= 85 * MS
 
 
-def test_lost_bytes_are_to_blame():
+def test_late_frames_are_explained_by_lost_bytes():
     bench = Bench()
     wire, base = running(bench, long_plan(3.0), delay=MS)
     wire.spoil = lambda data: data if wire.now > base + HZ + 150 * MS else b""
@@ -110,7 +110,7 @@ def test_lost_bytes_are_to_blame():
     assert bench.link.retransmitted_bytes > 0
 
 
-def test_a_link_that_carries_too_little_is_to_blame():
+def test_late_frames_are_explained_by_a_slow_link():
     bench = Bench()
     plan = long_plan(1.5)
     for _ in range(800):
@@ -137,7 +137,7 @@ def test_a_link_that_carries_too_little_is_to_blame():
     assert bench.link.retransmitted_bytes == before
 
 
-def test_a_board_without_room_is_to_blame():
+def test_late_frames_are_explained_by_a_full_move_queue():
     bench = Bench(description(move_count=20))
     plan = Planner()
     plan.steps(0, True, HZ // 2, 1)

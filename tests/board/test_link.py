@@ -132,7 +132,7 @@ def assert_executed(bench: Bench, plan: Planner, base: int) -> None:
 
 @pytest.mark.parametrize("noise", NOISES, ids=lambda n: n.__name__)
 @pytest.mark.parametrize("way", ["to the board", "to the host", "both"])
-def test_a_job_arrives_exactly_over_a_bad_wire(noise, way):
+def test_job_arrives_complete_over_a_noisy_link(noise, way):
     bench = Bench()
     plan = busy_plan(7, 4000)
     wire = Wire(bench, delay=MS // 4)
@@ -159,7 +159,7 @@ def test_a_job_arrives_exactly_over_a_bad_wire(noise, way):
 
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 2**32), st.sampled_from(NOISES), st.floats(0.0, 0.08))
-def test_whatever_the_noise_the_job_arrives_exactly(seed, noise, share):
+def test_job_arrives_complete_with_any_noise(seed, noise, share):
     bench = Bench()
     plan = busy_plan(seed, 40)
     wire = Wire(bench, delay=MS // 2)
@@ -174,7 +174,7 @@ def test_whatever_the_noise_the_job_arrives_exactly(seed, noise, share):
         assert_executed(bench, plan, base)
 
 
-def test_nothing_leaves_before_its_horizon_nor_much_after():
+def test_messages_leave_within_their_horizon():
     bench = Bench()
     plan = busy_plan(1, 300)
     base = start(bench, plan)
@@ -225,7 +225,7 @@ def test_move_slots_of_a_small_board_are_never_exceeded():
     assert 10 <= bench.device.peak_slots <= 24
 
 
-def test_the_clock_of_a_board_that_runs_fast_is_followed():
+def test_clock_estimate_follows_a_fast_board():
     bench = Bench()
     plan = Planner()
     plan.steps(0, True, 20 * HZ, 1)
@@ -354,7 +354,7 @@ def spoil_last(data: bytes) -> bytes:
 @pytest.mark.parametrize("byte", [0, 640, 1389], ids=["USB", "250000 baud", "115200 baud"])
 @pytest.mark.parametrize("loss", [lambda data: b"", spoil_last], ids=["lost", "spoilt"])
 @pytest.mark.parametrize("times", [1, 2, 3])
-def test_a_frame_lost_so_often_in_a_row_still_comes_in_time(times, loss, byte):
+def test_frame_lost_several_times_arrives_in_time(times, loss, byte):
     bench = Bench()
     bench.link.set_byte_ticks(byte)
     wire = Wire(bench, delay=MS // 4, byte=byte)
@@ -390,7 +390,7 @@ def test_frames_that_wait_for_slow_line_are_not_repeated():
     assert wire.line_free[True] - wire.start > HZ // 2
 
 
-def test_a_trip_that_has_become_long_is_learnt():
+def test_longer_round_trip_is_measured():
     bench = Bench()
     wire = Wire(bench, delay=MS // 4)
     wire.run(wire.now + 3 * HZ)
@@ -404,7 +404,7 @@ def test_a_trip_that_has_become_long_is_learnt():
     assert not bench.link.lost
 
 
-def test_answers_that_are_lost_are_not_taken_for_a_long_trip():
+def test_lost_answers_do_not_lengthen_the_round_trip():
     """The board refuses copies, for it had the first ones: of several at once, all at once."""
     bench, rng = Bench(), random.Random(1)
     wire = Wire(bench, delay=MS // 4)
@@ -441,7 +441,7 @@ def test_emergency_stop_replaces_unacknowledged_frames(lost, share):
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_an_emergency_stop_comes_through_noise_at_once(seed):
+def test_emergency_stop_passes_a_noisy_link_at_once(seed):
     """Where whole frames hardly ever come through: one byte in six is spoilt, either way."""
     bench, rng = Bench(), random.Random(seed)
     wire = Wire(bench, delay=MS // 4)
@@ -512,7 +512,7 @@ def test_pin_commands_keep_order_when_kickstart_ends_late():
 
 
 @pytest.mark.parametrize("seed", range(1, 13))
-def test_the_clock_is_never_far_off_from_the_first_answer_on(seed):
+def test_clock_error_is_small_after_the_first_answer(seed):
     device = SimulatedBoard(description(), PLANT, 0).device
     far = _core.Distant(device, 0, 20e-6, 3 * MS // 10, MS // 10, seed)
     link = _core.Link(float(HZ))
@@ -528,7 +528,7 @@ def test_the_clock_is_never_far_off_from_the_first_answer_on(seed):
     assert max(abs(seconds) for seconds in wrong) < 150e-6
 
 
-def test_the_clock_is_known_where_every_question_is_sent_again():
+def test_clock_is_estimated_if_every_query_is_repeated():
     """On a computer that became busy: all that either side has sent is looked at every 0.1 s only.
     The copies come with the first, and their refusals with the answer: no trip can be measured."""
     device = SimulatedBoard(description(), PLANT, 0).device

@@ -43,7 +43,7 @@ def test_unknown_reasons_have_an_action(reason, says):
 
 
 @pytest.mark.parametrize(("make", "scale"), [(lambda: ScaledLoop(20.0), 20.0), (VirtualLoop, 1.0)])
-def test_the_scale_is_that_of_the_running_loop(make, scale):
+def test_print_time_scale_comes_from_the_running_loop(make, scale):
     async def asked() -> float:
         return time_scale()
 

@@ -38,7 +38,7 @@ ADDRESS = st.integers(0, 3)
 
 
 @given(st.binary(max_size=8))
-def test_the_checksum_is_a_division_of_polynomials(data):
+def test_uart_checksum_equals_polynomial_division(data):
     assert crc8(data) == trinamic.checksum(data)
 
 
@@ -58,7 +58,7 @@ def test_uart_datagrams_are_those_of_the_data_sheet(address, register, value):
 
 
 @given(REGISTER, WORD, st.integers(0, 79))
-def test_one_wrong_bit_spoils_an_answer(register, value, bit):
+def test_answer_with_one_wrong_bit_is_refused(register, value, bit):
     answer = trinamic.packed(trinamic.line_bits(trinamic.answer(register, value)))
     whole = int.from_bytes(answer, "little") ^ 1 << bit
     damaged = whole.to_bytes(10, "little")
@@ -66,7 +66,7 @@ def test_one_wrong_bit_spoils_an_answer(register, value, bit):
     assert uart_value(register, damaged) is None
 
 
-def test_spi_datagrams():
+def test_spi_datagrams_are_those_of_the_data_sheet():
     assert spi_read(0x6F) == bytes.fromhex("6f00000000")
     assert spi_write(0x10, 0x00061F0A) == bytes.fromhex("9000061f0a")  # an example of the sheet
     assert spi_value(bytes.fromhex("0900061f0a")) == 0x00061F0A
@@ -114,7 +114,7 @@ CURRENTS = [
 
 
 @pytest.mark.parametrize(("chip", "ohm", "ampere", "fields", "made"), CURRENTS)
-def test_currents(chip, ohm, ampere, fields, made):
+def test_current_settings_match_the_data_sheet(chip, ohm, ampere, fields, made):
     numbers = CHIPS[chip].currents.numbers(ohm, ampere, ampere / 2)
     assert {name: numbers.fields[name] for name in fields} == fields
     assert numbers.run_a == pytest.approx(made, abs=6e-5)
@@ -127,7 +127,7 @@ HOLDS = [("TMC2209", 0.11, 0.5, 1.5, 8, 27), ("TMC5160", 0.075, 0.5, 1.0, 15, 31
 
 
 @pytest.mark.parametrize(("chip", "ohm", "run", "hold", "irun", "ihold"), HOLDS)
-def test_a_standing_current_above_the_running_one(chip, ohm, run, hold, irun, ihold):
+def test_hold_current_above_run_current_is_kept(chip, ohm, run, hold, irun, ihold):
     numbers = CHIPS[chip].currents.numbers(ohm, run, hold)
     assert (numbers.fields["irun"], numbers.fields["ihold"]) == (irun, ihold)
     assert (numbers.run_a, numbers.hold_a) == (pytest.approx(run, 0.03), pytest.approx(hold, 0.03))
@@ -230,13 +230,13 @@ def test_fields_of_a_register_have_bits_of_their_own(chip):
         ("TMC2660", 0, 1 << 2 | 1 << 1, ["overheated"]),
     ],
 )
-def test_findings(chip, gstat, status, codes):
+def test_status_bits_become_findings(chip, gstat, status, codes):
     found = findings("x", chip, Reading(gstat, status))
     assert [f.problem.code for f in found] == [f"driver.{code}" for code in codes]
     assert all(f.stops != (f.problem.code == "driver.hot") for f in found)
 
 
-def test_open_coils():
+def test_open_coils_are_found_by_their_status_bits():
     assert open_coils("TMC2209", Reading(0, 1 << 7)) == ["B"]
     assert open_coils("TMC5160", Reading(0, 3 << 29)) == ["A", "B"]
     assert open_coils("TMC2660", Reading(0, 1 << 5)) == ["A"]

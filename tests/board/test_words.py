@@ -86,7 +86,7 @@ def test_board_with_every_message_is_accepted(told: dict, board: BoardDescriptio
 @pytest.mark.parametrize(
     ("part", "name"), [*(("commands", n) for n in COMMANDS), *(("responses", n) for n in REPORTS)]
 )
-def test_one_without_a_word_is_refused(
+def test_board_that_lacks_a_message_is_refused(
     told: dict, board: BoardDescription, part: str, name: str
 ) -> None:
     for becomes, says in (
@@ -98,7 +98,7 @@ def test_one_without_a_word_is_refused(
             check_words(board, parsed(told, words["commands"], words["responses"]))
 
 
-def test_a_report_may_tell_more_and_a_command_must_not_ask_more(
+def test_reports_may_have_more_parameters_but_not_commands(
     told: dict, board: BoardDescription
 ) -> None:
     state = "endstop_state oid=%c homing=%c next_clock=%u pin_value=%c more=%u"
@@ -120,7 +120,7 @@ def test_messages_for_missing_parts_are_not_required(told: dict, board: BoardDes
     check_words(bare, parsed(told, commands, told["responses"]))
 
 
-def test_words_for_i2c_are_those_of_either_age(told: dict, board: BoardDescription) -> None:
+def test_i2c_messages_of_old_and_new_firmware_work(told: dict, board: BoardDescription) -> None:
     chip = Accelerometer("lis2dw", I2cPins("", "", 25, bus="i2c1"))
     board = replace(board, accelerometers=(chip,))
     check_words(board, parsed(told, told["commands"], told["responses"]))

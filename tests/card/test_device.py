@@ -94,9 +94,7 @@ def test_block_device_in_use_is_refused(small: Image, monkeypatch: pytest.Monkey
     small.check()
 
 
-def test_an_image_is_opened_without_what_only_devices_know(
-    small: Image, monkeypatch: pytest.MonkeyPatch
-):
+def test_image_is_opened_without_exclusive_flag(small: Image, monkeypatch: pytest.MonkeyPatch):
     """O_EXCL without O_CREAT means nothing for a file."""
     flags: list[int] = []
     real = os.open
@@ -105,7 +103,7 @@ def test_an_image_is_opened_without_what_only_devices_know(
     assert flags == [HOLDS & ~os.O_EXCL]
 
 
-def test_a_reader_of_cards_without_a_card(small: Image, monkeypatch: pytest.MonkeyPatch):
+def test_empty_card_reader_is_named(small: Image, monkeypatch: pytest.MonkeyPatch):
     """Some open and have no bytes, some do not."""
     shown = BlockDevice(small.path, monkeypatch)
     shown.refuses = lambda _: errno.ENOMEDIUM

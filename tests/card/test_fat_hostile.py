@@ -55,7 +55,7 @@ def refused(attempt: Callable[[], object]) -> CardError:
         (0x0FFFFFF7, "a cluster number is 0xffffff7,"),
     ],
 )
-def test_a_broken_chain(laid_out: Image, value: int, says: str):
+def test_broken_cluster_chain_cannot_be_changed(laid_out: Image, value: int, says: str):
     link(laid_out, 12, value)
     card = laid_out.card()
     assert card.find("a.g").size == 5000
@@ -66,7 +66,7 @@ def test_a_broken_chain(laid_out: Image, value: int, says: str):
     card.close()
 
 
-def test_a_chain_that_is_too_short(laid_out: Image):
+def test_cluster_chain_that_is_too_short_is_an_error(laid_out: Image):
     link(laid_out, 5, END)
     card = laid_out.card()
     with card.open("a.g") as reader:
@@ -78,7 +78,7 @@ def test_a_chain_that_is_too_short(laid_out: Image):
     card.close()
 
 
-def test_a_file_without_clusters(laid_out: Image):
+def test_file_without_clusters_is_an_error(laid_out: Image):
     card = laid_out.card()
     slot = card._volume.layout.root
     where = card._volume.layout.offset(slot)
@@ -95,14 +95,14 @@ def test_a_file_without_clusters(laid_out: Image):
     card.close()
 
 
-def test_a_directory_that_never_ends(laid_out: Image):
+def test_endless_directory_is_an_error(laid_out: Image):
     link(laid_out, 2, 2)
     card = laid_out.card()
     refused(card.list)
     card.close()
 
 
-def test_a_directory_inside_itself(laid_out: Image):
+def test_directory_that_contains_itself_is_an_error(laid_out: Image):
     card = laid_out.card()
     where = card._volume.layout.offset(2)
     card.close()
@@ -114,7 +114,7 @@ def test_a_directory_inside_itself(laid_out: Image):
     card.close()
 
 
-def test_a_directory_beyond_65536_entries(make_image: Callable[..., Image]):
+def test_directory_with_over_65536_entries_is_an_error(make_image: Callable[..., Image]):
     image = make_image(8192, "-s", "1")
     card = image.card()
     start = card._volume.layout.table_offsets[0]
@@ -132,7 +132,7 @@ def test_a_directory_beyond_65536_entries(make_image: Callable[..., Image]):
     card.close()
 
 
-def test_names_that_would_speak_to_a_console(laid_out: Image):
+def test_fat_names_with_control_characters_are_hidden(laid_out: Image):
     card = laid_out.card()
     write(card, "Long and harmless.gcode", b"1")
     where = card._volume.layout.offset(2)
@@ -181,7 +181,7 @@ def visit(card: FatCard) -> None:
     attempt(card.close)
 
 
-def test_mutations_of_all_that_is_not_content(laid_out: Image):
+def test_damaged_fat_structures_never_crash_the_reader(laid_out: Image):
     """700 cards with some bytes of boot sector, FSInfo, tables and directories changed."""
     card = laid_out.card()
     for number in range(12):

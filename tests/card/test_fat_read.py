@@ -29,7 +29,7 @@ def source(tmp_path: Path) -> Path:
     return path
 
 
-def test_files_of_mtools(image: Image, source: Path):
+def test_files_written_by_mtools_are_read(image: Image, source: Path):
     names = ["PRINT.G", "lower.g", "Größe 日本.gcode", "n" * 249 + ".gcode"]
     for name in names:
         image.put(source, name)
@@ -69,7 +69,7 @@ def test_an_8_3_name_beyond_ascii_gets_one_of_ascii(image: Image, source: Path):
     card.close()
 
 
-def test_size_and_time(image: Image, source: Path):
+def test_size_and_time_of_a_file_are_read(image: Image, source: Path):
     image.mtools("mcopy", "-m", source, "::a.g")
     card = image.card()
     entry = card.find("A.G")
@@ -106,7 +106,7 @@ def test_a_fragmented_file_is_read_from_anywhere(image: Image, tmp_path: Path):
 
 
 @pytest.mark.parametrize("kind", [0x0B, 0x0C])
-def test_the_first_fat32_partition(make_image: Callable[..., Image], source: Path, kind: int):
+def test_first_fat32_partition_is_used(make_image: Callable[..., Image], source: Path, kind: int):
     image = make_image(34_000, "-s", "1")
     partitioned(image, [(0x83, 1, 2047), (kind, 2048, 68_000), (0x0C, 3000, 100)])
     image.put(source, "a.g")
@@ -126,7 +126,7 @@ def refused(path: Path) -> dict[str, object]:
     return dict(raised.value.problems[0].values)
 
 
-def test_no_fat32_partition(small: Image):
+def test_missing_fat32_partition_is_named(small: Image):
     partitioned(small, [(0x83, 2048, 2048), (0xEE, 2048, 2048), (0x0C, 2048, 99_999)])
     assert refused(small.path)["value"] == "83 EE 0C 00"
 
@@ -152,7 +152,7 @@ def test_no_fat32_partition(small: Image):
         (44, b"\xff\xff\0\0", "root cluster"),
     ],
 )
-def test_a_boot_sector_that_cannot_be(small: Image, offset: int, data: bytes, key: str):
+def test_impossible_boot_sector_is_refused(small: Image, offset: int, data: bytes, key: str):
     small.poke(offset, data)
     assert refused(small.path)["key"] == key
 
@@ -162,12 +162,12 @@ def test_fat16_is_not_fat32(tmp_path: Path):
     assert refused(tmp_path / "card.img")["key"] == "root entries"
 
 
-def test_exfat_is_named(small: Image):
+def test_exfat_is_named_in_the_error(small: Image):
     small.poke(0, b"\xeb\x76\x90EXFAT   " + bytes(53))
     assert refused(small.path)["value"] == "exFAT"
 
 
-def test_path_forms(tmp_path: Path, small: Image):
+def test_paths_are_accepted_in_several_forms(tmp_path: Path, small: Image):
     assert isinstance(open_card(tmp_path), FolderCard)
     assert isinstance(open_card(small.path), FatCard)
     for path in ("/dev/null", tmp_path / "nothing"):
@@ -178,7 +178,7 @@ def test_path_forms(tmp_path: Path, small: Image):
     assert refused(tmp_path / "empty")["key"] == "size"
 
 
-def test_one_card_at_a_time(small: Image):
+def test_second_card_cannot_be_mounted(small: Image):
     card = small.card()
     with pytest.raises(CardError) as raised:
         small.card()

@@ -35,7 +35,7 @@ def write(card: FatCard, path: str, content: bytes) -> None:
         writer.write(content)
 
 
-def test_the_mark_is_there_while_something_changes_and_only_then(small: Image):
+def test_dirty_mark_is_set_only_during_changes(small: Image):
     entry_1 = 32 * 512 + 4
     assert small.peek(entry_1, "<I") & CLEAN
     card = small.card()
@@ -64,7 +64,7 @@ def test_a_card_that_was_dirty_stays_dirty(small: Image):
     assert [line for line in small.complaints() if line.startswith("Dirty bit")]
 
 
-def test_fsinfo_and_both_tables(small: Image):
+def test_fsinfo_and_both_fats_are_updated(small: Image):
     small.poke(FSINFO_FREE, struct.pack("<II", 7, 0xFFFFFFFF))  # a wrong hint
     card = small.card()
     free = card.free_bytes
@@ -93,7 +93,7 @@ def test_the_four_bits_above_an_entry_are_kept(small: Image):
     assert struct.unpack_from("<I", tables(small)[1], 8)[0] >> 28 == 0xA
 
 
-def test_only_the_active_table_where_they_are_not_mirrored(small: Image):
+def test_without_mirroring_only_the_active_fat_is_written(small: Image):
     small.poke(40, struct.pack("<H", 0x81))
     before = small.path.read_bytes()[32 * 512 : 48 * 512]
     card = small.card()
@@ -106,7 +106,7 @@ def test_only_the_active_table_where_they_are_not_mirrored(small: Image):
     card.close()
 
 
-def test_a_full_card_keeps_what_it_has(small: Image):
+def test_write_to_full_card_leaves_other_files(small: Image):
     card = small.card()
     write(card, "a.g", b"old")
     free = card.free_bytes
@@ -138,7 +138,7 @@ def test_a_full_card_keeps_what_it_has(small: Image):
     small.check()
 
 
-def test_a_file_that_is_open_stays(small: Image):
+def test_open_file_is_not_deleted(small: Image):
     card = small.card()
     write(card, "a.g", b"G28")
     with card.open("a.g") as reader, card.open("A.G"):
@@ -190,7 +190,7 @@ def test_unfit_images_are_refused(small: Image):
     small.check()
 
 
-def test_a_file_marked_read_only(image: Image, tmp_path: Path):
+def test_read_only_file_is_not_changed(image: Image, tmp_path: Path):
     (tmp_path / "a").write_bytes(b"G28")
     image.put(tmp_path / "a", "a.g")
     image.mtools("mattrib", "+r", "::a.g")
@@ -202,7 +202,7 @@ def test_a_file_marked_read_only(image: Image, tmp_path: Path):
     card.close()
 
 
-def test_a_write_protected_card(small: Image, monkeypatch: pytest.MonkeyPatch):
+def test_write_protected_card_refuses_changes(small: Image, monkeypatch: pytest.MonkeyPatch):
     card = small.card()
     write(card, "a.g", b"G28")
     monkeypatch.setattr(card._device, "read_only", True)
@@ -227,7 +227,7 @@ def test_a_file_has_less_than_4_gib(small: Image, monkeypatch: pytest.MonkeyPatc
     small.check()
 
 
-def test_a_removed_card_ends_everything(small: Image):
+def test_removed_card_fails_all_open_files(small: Image):
     card = small.card()
     content = random.Random(6).randbytes(200_000)
     write(card, "a.g", content)
@@ -247,7 +247,7 @@ def test_a_removed_card_ends_everything(small: Image):
     card.close()
 
 
-def test_a_card_that_is_back_is_read_on(small: Image, monkeypatch: pytest.MonkeyPatch):
+def test_reading_continues_when_the_card_is_back(small: Image, monkeypatch: pytest.MonkeyPatch):
     """A table that could not be read does not count as a file that ends there."""
     card = small.card()
     content = random.Random(7).randbytes(400_000)  # of more clusters than a table's sector tells
@@ -270,7 +270,7 @@ def test_a_card_that_is_back_is_read_on(small: Image, monkeypatch: pytest.Monkey
     card.close()
 
 
-def test_calls_from_several_threads(small: Image):
+def test_card_can_be_used_from_several_threads(small: Image):
     card = small.card()
 
     async def life() -> None:
@@ -286,7 +286,7 @@ def test_calls_from_several_threads(small: Image):
     small.check()
 
 
-def test_unmounting_gives_up_what_is_open(small: Image):
+def test_unmounting_closes_open_files(small: Image):
     card = small.card()
     write(card, "a.g", b"G28")
     reader, writer = card.open("a.g"), card.create("b.g")

@@ -38,7 +38,9 @@ def test_mtools_reads_what_was_written(image: Image):
     [("-s", "1"), ("-s", "8"), ("-S", "4096", "-s", "1"), ("-f", "1"), ("-s", "128"), ("--mbr=y",)],
     ids=" ".join,
 )
-def test_every_geometry(make_image: Callable[..., Image], options: tuple[str, ...]):
+def test_every_fat32_geometry_is_written_and_read(
+    make_image: Callable[..., Image], options: tuple[str, ...]
+):
     image = make_image(20_000, *options)
     card = image.card()
     for number in range(60):
@@ -85,7 +87,7 @@ def test_slots_of_deleted_files_are_used_again(small: Image):
     small.check()
 
 
-def test_garbage_after_the_end_mark_stays_invisible(small: Image):
+def test_entries_after_the_end_mark_are_ignored(small: Image):
     card = small.card()
     where = card._volume.layout.offset(2)
     card.close()
@@ -100,7 +102,7 @@ def test_garbage_after_the_end_mark_stays_invisible(small: Image):
     small.check()
 
 
-def test_two_files_written_at_once(small: Image):
+def test_two_files_can_be_written_at_the_same_time(small: Image):
     card = small.card()
     first, second = card.create("one.g"), card.create("two.g")
     for number in range(8):
@@ -115,7 +117,7 @@ def test_two_files_written_at_once(small: Image):
     small.check()
 
 
-def test_an_exception_in_the_block_leaves_nothing(small: Image):
+def test_exception_during_write_leaves_no_file(small: Image):
     card = small.card()
     free = card.free_bytes
     with pytest.raises(ZeroDivisionError), card.create("a.g") as writer:
@@ -147,7 +149,7 @@ def test_a_directory_that_cannot_be_renamed_in_one_write_keeps_its_name(image: I
     assert image.get("/a file is copied instead.gcode") == b""
 
 
-def test_a_removed_directory_gives_its_cluster_back(image: Image):
+def test_removing_a_directory_frees_its_cluster(image: Image):
     card = image.card()
     before = card.free_bytes
     card.make_directory("sub")

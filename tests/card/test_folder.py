@@ -127,7 +127,7 @@ def test_the_exact_name_goes_first(card: FolderCard, tmp_path: Path):
         (errno.EIO, "card.removed"),
     ],
 )
-def test_a_host_that_fails(
+def test_card_reports_errors_of_the_host_disk(
     card: FolderCard, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, error: int, expected: str
 ):
     with card.create("a.g") as writer:
@@ -182,7 +182,7 @@ def test_unfit_paths_are_refused(card: FolderCard, tmp_path: Path):
     assert card.free_bytes > 0
 
 
-def test_a_file_that_shrinks_and_a_card_that_goes(card: FolderCard, tmp_path: Path):
+def test_shrinking_file_and_removed_card_are_errors(card: FolderCard, tmp_path: Path):
     with card.create("a.g") as writer:
         writer.write(bytes(100))
     reader, writer = card.open("a.g"), card.create("b.g")
@@ -239,7 +239,7 @@ def test_a_file_that_is_replaced_is_read_to_its_end_once(
         assert code(raised) == "card.changed"
 
 
-def test_times_beyond_reason(card: FolderCard, tmp_path: Path):
+def test_impossible_file_times_are_limited(card: FolderCard, tmp_path: Path):
     (tmp_path / "card/a.g").touch()
     os.utime(tmp_path / "card/a.g", (1 << 40, 1 << 40))
     assert card.find("a.g").modified.year == 2106
@@ -247,13 +247,13 @@ def test_times_beyond_reason(card: FolderCard, tmp_path: Path):
     assert card.find("a.g").fat_timestamp == 0x00210000
 
 
-def test_names_that_would_speak_to_a_console_are_not_on_the_card(card: FolderCard, tmp_path: Path):
+def test_names_with_control_characters_are_not_on_the_card(card: FolderCard, tmp_path: Path):
     (tmp_path / "card/a\nok").touch()
     (tmp_path / "card" / os.fsdecode(b"\xff.g")).touch()
     assert card.list() == []
 
 
-def test_what_is_open_is_not_renamed(card: FolderCard):
+def test_open_file_is_not_renamed(card: FolderCard):
     card.make_directory("sub")
     with card.create("sub/a.g") as writer:
         writer.write(b"G28")
@@ -277,7 +277,7 @@ def test_a_folder_is_not_moved_into_itself(card: FolderCard):
     assert code(raised) == "card.into-itself"
 
 
-def test_a_rename_stays_on_the_card(card: FolderCard, tmp_path: Path):
+def test_rename_cannot_leave_the_card(card: FolderCard, tmp_path: Path):
     (tmp_path / "out").mkdir()
     (tmp_path / "card/link").symlink_to(tmp_path / "out")
     with card.create("a.g") as writer:
@@ -308,7 +308,7 @@ def test_a_removed_folder_takes_interrupted_uploads_with_it(card: FolderCard, tm
     assert not (tmp_path / "card/sub").exists()
 
 
-def test_a_card_that_is_left_keeps_no_half_file(card: FolderCard, tmp_path: Path):
+def test_unmounting_leaves_no_partial_file(card: FolderCard, tmp_path: Path):
     writer = card.create("a.g")
     writer.write(b"G28\n")
     card.close()

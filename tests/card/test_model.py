@@ -107,7 +107,9 @@ def live(make: Callable[[], Card], steps: list[Step]) -> None:
 @settings(
     max_examples=120, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None
 )
-def test_any_life_of_a_fat_card(image_bytes: tuple[Path, bytes], steps: list[Step]):
+def test_random_changes_of_a_fat_card_match_the_model(
+    image_bytes: tuple[Path, bytes], steps: list[Step]
+):
     path, fresh = image_bytes
     path.write_bytes(fresh)
     live(lambda: FatCard(path, now=lambda: NOON), steps)
@@ -123,7 +125,7 @@ def image_bytes(small: Image) -> tuple[Path, bytes]:
 @settings(
     max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None
 )
-def test_any_life_of_a_folder(tmp_path: Path, steps: list[Step]):
+def test_random_changes_of_a_folder_match_the_model(tmp_path: Path, steps: list[Step]):
     folder = tmp_path / "card"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir()

@@ -19,7 +19,7 @@ from passo.errors import CardError
         ("../../../etc/passwd", ["etc", "passwd"]),
     ],
 )
-def test_paths_stay_inside(path: str, parts: list[str]):
+def test_no_path_leads_out_of_the_image(path: str, parts: list[str]):
     assert names.split(path) == parts
 
 
@@ -55,7 +55,7 @@ def test_case_does_not_count_and_eszett_stays():
     assert names.fold("Größe.gcode") == "GRÖßE.GCODE"
 
 
-def test_letters_and_their_accents_compare_as_one():
+def test_composed_and_decomposed_accents_are_equal():
     apart = "Gro\N{COMBINING DIAERESIS}ße e\N{COMBINING ACUTE ACCENT}.gcode"
     assert names.fold(apart) == names.fold("GRÖßE É.gcode")
     assert names.stable_short_name(apart, ()) == names.stable_short_name("Größe é.gcode", ())

@@ -130,7 +130,7 @@ def check_harmless(image: Image, change: Callable[[FatCard], None]) -> None:
 
 
 @pytest.mark.parametrize("change", CHANGES)
-def test_a_cut_at_any_write(
+def test_power_cut_at_any_write_leaves_old_or_new_file(
     change: Callable[[FatCard], None],
     make_image: Callable[..., Image],
     recorded: list[list[Write]],

@@ -167,7 +167,7 @@ def test_a_stop_in_a_file_ends_its_print(capsys, tmp_path, line, sentence):
         (".", "Is a directory"),
     ],
 )
-def test_unreadable_paths(capsys, path, why):
+def test_unreadable_paths_are_named(capsys, path, why):
     assert main(["print", path, "--assume-ready"]) == 4
     err = capsys.readouterr().err
     assert err == f"{path}: cannot be read: {why}. Check the path and permissions.\n"
@@ -185,7 +185,7 @@ def test_a_file_whose_medium_fails_is_named():
     assert str(problem) == told
 
 
-def test_wrong_words_are_usage(capsys):
+def test_wrong_options_are_usage_errors(capsys):
     assert main(["print"]) == 2
     assert main(["print", "x.gcode", "--clock", "fish"]) == 2
     capsys.readouterr()
@@ -199,7 +199,7 @@ def test_wrong_words_are_usage(capsys):
     ],
 )
 @pytest.mark.parametrize("scale", ["1e-9", "0", "1e9", "nan", "inf"])
-def test_a_clock_keeps_to_what_a_computer_can_wait(capsys, words, limit, scale):
+def test_extreme_clock_scale_is_refused(capsys, words, limit, scale):
     assert main([*words, "--clock", scale]) == 2
     assert f"'{scale}' is not {limit}" in capsys.readouterr().err
 

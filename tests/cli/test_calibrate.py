@@ -27,7 +27,7 @@ def guide(monkeypatch, answers, *words):
     return main(["calibrate", "thermistor", *words])
 
 
-def test_given_points(capsys):
+def test_given_points_become_a_sensor_table(capsys):
     points = ["180:169", "200:177", "220:194", "240:208"]
     assert main(["calibrate", "thermistor", "--points", *points]) == 0
     out = capsys.readouterr().out.splitlines()
@@ -37,7 +37,7 @@ def test_given_points(capsys):
     assert out[-1] == "To use the fit: M305 H0 B4304, then M303 H0 U, then M500."
 
 
-def test_the_guide(capsys, monkeypatch):
+def test_guided_calibration_asks_for_each_point(capsys, monkeypatch):
     answers = "150\nwarm\n168\n\n204\n222\n"  # 160, 180 (twice), 200 left out, 220, 240
     monkeypatch.setattr(sys, "stdin", io.StringIO(answers + "160\nq\n"))
     assert main(["calibrate", "thermistor"]) == 0
@@ -89,7 +89,7 @@ def test_wrong_options_are_refused(capsys, words, status, says):
     assert says in capsys.readouterr().err
 
 
-def test_answers_that_cannot_be_are_asked_for_again(capsys, monkeypatch):
+def test_impossible_answers_are_asked_for_again(capsys, monkeypatch):
     answers = "1600\n16\n150\n149,5\n168,5\n"  # 160 (three times), 180 (twice)
     assert guide(monkeypatch, answers) == 0
     out = capsys.readouterr().out
@@ -166,7 +166,7 @@ def test_a_round_survives_a_terminal_that_closes(tmp_path):
     assert "   180.0    168.0" in done.stdout
 
 
-def test_all_is_forgotten_at_the_end(capsys, monkeypatch, tmp_path):
+def test_finished_calibration_leaves_no_stored_answers(capsys, monkeypatch, tmp_path):
     assert guide(monkeypatch, "150\nq\nq\n155\nq\n") == 0
     assert not list(tmp_path.iterdir())
     assert guide(monkeypatch, "") == 0  # nobody has said anything

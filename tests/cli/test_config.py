@@ -55,7 +55,7 @@ def test_explain_of_a_table_has_each_of_its_keys(capsys: pytest.CaptureFixture[s
 @pytest.mark.parametrize(
     ("key", "hint"), [("axis.x", "Did you mean 'axes'?"), ("axes.q.min_mm", "Known here: x, y, z.")]
 )
-def test_explain_of_an_unknown_key_names_the_nearest(
+def test_explain_of_unknown_key_names_a_similar_key(
     key: str, hint: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["config", "explain", key]) == 3

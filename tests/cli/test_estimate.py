@@ -114,7 +114,7 @@ def test_an_estimate_ends_at_the_line_of_the_print(tmp_path, text, cold):
     assert lines == [cold, cold]
 
 
-def test_layers_of_an_estimate_are_those_of_the_print(capsys, tmp_path):
+def test_estimate_and_print_count_the_same_layers(capsys, tmp_path):
     path = tmp_path / "layers.gcode"
     layer = ";LAYER_CHANGE\nG1 Z{} F600\nG1 X{} F3000\n"
     path.write_text("G28\nG1 X5 Z1 F3000\n" + layer.format(2, 50) + layer.format(3, 9))

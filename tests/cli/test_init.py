@@ -46,9 +46,7 @@ def _answers(**given: str) -> list[str]:
     return [given.get(name, "") for name in names]
 
 
-def test_enter_alone_makes_the_shipped_machine_with_an_identity_of_its_own(
-    init, tmp_path: Path
-) -> None:
+def test_init_defaults_copy_the_machine_with_a_new_uuid(init, tmp_path: Path) -> None:
     assert init(*_answers()) == 0
     made, shipped = config.load(tmp_path / "my-i3.toml"), config.load("i3")
     assert made.uuid != shipped.uuid
@@ -97,7 +95,7 @@ def test_a_wrong_answer_is_named_and_asked_again(
     assert made.heaters["hotend"].max_c == 285.0
 
 
-def test_what_the_board_does_not_have_is_asked_for(
+def test_init_asks_for_missing_functions_of_the_board(
     init, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert init(*_answers(board="radds"), "E1") == 0
@@ -105,7 +103,7 @@ def test_what_the_board_does_not_have_is_asked_for(
     assert config.load(tmp_path / "my-i3.toml").steppers["e"].socket == "E1"
 
 
-def test_what_is_left_wrong_is_listed(
+def test_init_lists_remaining_errors(
     init, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert init(*_answers(board="radds"), "") == 0
@@ -122,6 +120,6 @@ def test_a_file_is_never_replaced(init, tmp_path: Path, capsys: pytest.CaptureFi
     assert capsys.readouterr().err == "my-i3.toml: exists already. Choose another name.\n"
 
 
-def test_answers_that_end_leave_no_file(init, tmp_path: Path) -> None:
+def test_end_of_input_during_init_leaves_no_file(init, tmp_path: Path) -> None:
     assert init("i3", "mine") == 130
     assert list(tmp_path.iterdir()) == []

@@ -50,7 +50,9 @@ def test_machines_with_the_firmware_of_klipper_print(
     assert rows["filament"].strip() == "e 8.0 mm"
 
 
-def test_the_file_of_a_machine(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_machines_prints_the_file_of_a_machine(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     assert main(["machines", "rotary-delta"]) == 0
     (tmp_path / "mine.toml").write_text(capsys.readouterr().out, encoding="utf-8")
     assert config.load(tmp_path / "mine.toml") == config.load("rotary-delta")
@@ -58,7 +60,7 @@ def test_the_file_of_a_machine(capsys: pytest.CaptureFixture[str], tmp_path: Pat
     assert "'rotary_delta'. Did you mean 'rotary-delta'?" in capsys.readouterr().err
 
 
-def test_check_of_a_good_file(capsys: pytest.CaptureFixture[str]) -> None:
+def test_check_of_a_valid_file_succeeds(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "scara"]) == 0
     out, err = capsys.readouterr()
     assert out == "scara: ok: scara, scara, 3 axes, 4 steppers, RAMPS 1.4\n"
@@ -168,7 +170,9 @@ def test_check_lists_assumed_heaters(tmp_path: Path, capsys: pytest.CaptureFixtu
     ]
 
 
-def test_check_of_a_bad_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_check_of_an_invalid_file_lists_errors(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "bad.toml"
     path.write_text("name = 5\nuuid = 'x'\n")
     assert main(["check", str(path)]) == 3
@@ -178,7 +182,9 @@ def test_check_of_a_bad_file(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert f"{path}:2: uuid is 'x': expected a UUID" in err
 
 
-def test_check_of_a_bad_file_as_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_check_of_an_invalid_file_as_json_lists_errors(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "bad.toml"
     path.write_text("name = 'x'\nname = 'y'\n")
     assert main(["check", "--json", str(path)]) == 3
@@ -201,7 +207,9 @@ def test_any_content_of_a_bad_file_can_be_written_as_json(
 
 
 @pytest.mark.parametrize("words", [[], ["prnit"], ["machines", "--yaml"], ["check"]])
-def test_usage_errors(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+def test_machines_usage_errors_exit_with_2(
+    words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(words) == 2
     out, err = capsys.readouterr()
     assert out == ""

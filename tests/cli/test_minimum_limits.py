@@ -25,7 +25,7 @@ def told(capsys, tmp_path, text, *words):
 
 
 @pytest.mark.parametrize("name", ["i3", "corexy", "delta", "dual-extruder"])
-def test_the_least_accelerations_of_a_machine_print(capsys, tmp_path, name):
+def test_machine_with_minimum_accelerations_prints(capsys, tmp_path, name):
     shipped = files("passo.config").joinpath("machines", f"{name}.toml").read_text()
     text = re.sub(r"(?m)^((?:\w+_)?accel_(?:mm|deg)_s2) = .*", r"\1 = 0.1", shipped)
     machine = tmp_path / "machine.toml"
@@ -50,7 +50,7 @@ def test_the_least_accelerations_of_a_machine_print(capsys, tmp_path, name):
         "SET_VELOCITY_LIMIT ACCEL=0.1 SQUARE_CORNER_VELOCITY=0.000001",
     ],
 )
-def test_the_least_accelerations_of_a_program_print(capsys, tmp_path, line):
+def test_program_with_minimum_accelerations_prints(capsys, tmp_path, line):
     status, result, _ = told(capsys, tmp_path, f"{line}\n{PROGRAM}")
     assert status == 0
     assert result["warnings"] == []
@@ -75,7 +75,7 @@ def test_the_least_accelerations_of_a_program_print(capsys, tmp_path, line):
         ),
     ],
 )
-def test_lesser_limits_are_reported_and_change_nothing(capsys, tmp_path, line, says):
+def test_limits_below_minimum_are_reported_and_ignored(capsys, tmp_path, line, says):
     _, plain, _ = told(capsys, tmp_path, PROGRAM)
     status, result, err = told(capsys, tmp_path, f"{line}\n{PROGRAM}")
     assert status == 0
@@ -160,7 +160,7 @@ def test_keys_without_effect_are_reported_and_the_others_act(
     assert warning.endswith(f":1: SET_VELOCITY_LIMIT: {says} (1 time)")
 
 
-def test_blanks_around_the_sign_of_a_pair_mean_nothing(capsys, tmp_path):
+def test_blanks_around_equals_sign_are_ignored(capsys, tmp_path):
     tight = told(capsys, tmp_path, f"SET_VELOCITY_LIMIT ACCEL=500 VELOCITY=5\n{PROGRAM}")
     wide = told(capsys, tmp_path, f"SET_VELOCITY_LIMIT accel = 500  VELOCITY= 5\n{PROGRAM}")
     assert wide[1]["warnings"] == []

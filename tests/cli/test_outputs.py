@@ -87,7 +87,7 @@ def test_steps_around_a_stop_are_within_the_bound(tmp_path):
     assert np.min(np.diff(ticks)[turns]) >= 32  # A4988: 1 us pulse, and 0.2 us about the direction
 
 
-def test_a_cut_of_time(short, tmp_path):
+def test_time_range_limits_the_steps_output(short, tmp_path):
     whole, part = tmp_path / "whole.npz", tmp_path / "part.npz"
     assert main(["steps", short, "--output", str(whole), "--ideal"]) == 0
     words = ["--from", "0.1", "--to", "0.2", "--ideal"]
@@ -101,14 +101,14 @@ def test_a_cut_of_time(short, tmp_path):
 
 
 @pytest.mark.parametrize("end", ["1", "5"])
-def test_a_cut_that_ends_before_it_begins_is_usage(short, tmp_path, capsys, end):
+def test_reversed_time_range_is_a_usage_error(short, tmp_path, capsys, end):
     output = tmp_path / "steps.npz"
     assert main(["steps", short, "--output", str(output), "--from", "5", "--to", end]) == 2
     assert capsys.readouterr() == ("", f"--to {end}: it must be later than --from 5.\n")
     assert not output.exists()
 
 
-def test_ideal_times_have_no_place_in_a_vcd(short, tmp_path, capsys):
+def test_ideal_times_are_refused_for_vcd(short, tmp_path, capsys):
     output = tmp_path / "steps.vcd"
     assert main(["steps", short, "--output", str(output), "--ideal"]) == 2
     assert capsys.readouterr() == ("", f"--ideal: {output} has no place for it, name an .npz.\n")
@@ -171,13 +171,13 @@ def test_times_of_a_vcd_are_right_to_half_a_unit_after_hours(tmp_path, clock_hz,
     assert max(map(abs, wrong)) <= (0.5 if clock_hz == 72_000_000 else 0)
 
 
-def test_nothing_half_written(short, tmp_path):
+def test_failed_steps_output_leaves_no_partial_file(short, tmp_path):
     assert main(["steps", short, "--output", str(tmp_path / "no" / "x.npz")]) == 4
     assert main(["steps", short, "--output", str(tmp_path / "x.txt")]) == 2
     assert sorted(p.name for p in tmp_path.iterdir()) == ["short.gcode"]
 
 
-def test_explain(short, capsys):
+def test_explain_shows_moves_and_steps_of_a_line(short, capsys):
     assert main(["explain", f"{short}:4"]) == 0
     out = capsys.readouterr().out
     assert ":4: G1 X0 Y0" in out
@@ -362,7 +362,7 @@ def test_an_output_never_replaces_what_is_read(
 
 
 @pytest.mark.parametrize("output", [".", "/", os.devnull, "folder.npz"])
-def test_only_files_are_replaced(short, tmp_path, monkeypatch, capsys, output):
+def test_only_regular_files_are_replaced(short, tmp_path, monkeypatch, capsys, output):
     """Whoever may write to /dev would lose a device otherwise."""
     monkeypatch.chdir(tmp_path)
     Path("folder.npz").mkdir()
@@ -376,7 +376,7 @@ def test_only_files_are_replaced(short, tmp_path, monkeypatch, capsys, output):
     assert {p.name for p in tmp_path.iterdir()} == {"short.gcode", "folder.npz"}
 
 
-def test_a_link_stays_and_leads_to_what_is_new(short, tmp_path):
+def test_symbolic_link_stays_and_leads_to_the_new_file(short, tmp_path):
     folder, link = tmp_path / "folder", tmp_path / "link.npz"
     folder.mkdir()
     link.symlink_to("folder/steps.npz")
@@ -495,7 +495,7 @@ def test_characters_unknown_to_terminal_are_replaced(short, plain):
     assert b"mm/s\\xb2" in run.stdout
 
 
-def test_names_that_are_not_text_are_readable(tmp_path):
+def test_undecodable_file_names_are_shown_readably(tmp_path):
     path = tmp_path / os.fsdecode(b"caf\xc3\xa9 \xff.g")
     path.write_text("G28\nG1 X1 F600\n")
     page = tmp_path / "page.html"

@@ -11,7 +11,7 @@ from tests.support.scenario import Scenario
 from passo.cli.main import main
 
 
-def test_policies(capsys, tmp_path):
+def test_options_of_print_become_policies(capsys, tmp_path):
     path = tmp_path / "p.gcode"
     path.write_text("T5\nG1 X300 F3000\nM0\nM0\nG777\n")
     words = ["--out-of-range", "clamp", "--missing-tool", "ignore"]
@@ -92,7 +92,7 @@ def test_filament_of_a_move_that_was_left_out_is_left_out(capsys, tmp_path, mode
 @pytest.mark.parametrize(
     ("line", "option"), [("G1 X999", "--out-of-range clamp"), ("T7", "--missing-tool ignore")]
 )
-def test_options_are_named_where_there_are_some(line, option, capsys, tmp_path):
+def test_hint_names_the_option_that_allows_a_print(line, option, capsys, tmp_path):
     path = tmp_path / "p.gcode"
     path.write_text(f"{line}\nG1 X1 F600\n")
     assert main(["print", str(path), "--assume-ready"]) == 4

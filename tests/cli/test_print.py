@@ -24,7 +24,7 @@ FIELDS = [
 ]  # fmt: skip
 
 
-def test_the_example_on_the_i3(capsys, unpacked):
+def test_example_prints_on_the_i3(capsys, unpacked):
     result = printed(capsys, unpacked("demo"))
     assert list(result) == FIELDS
     assert result["lines"] == 32680
@@ -88,7 +88,7 @@ def test_a_machine_with_a_real_board_prints_in_simulation(capsys, tmp_path, unpa
     assert result["stream_hash"] == GOLDEN["demo", "i3"]
 
 
-def test_arcs_and_warnings(capsys, unpacked):
+def test_arcs_are_printed_and_warnings_shown(capsys, unpacked):
     result = printed(capsys, unpacked("gear_arcs"), "--machine", "mk3s", "--levelling", "skip")
     assert result["arcs"] == 7241
     assert [w.split(": ", 1)[1] for w in result["warnings"]] == [
@@ -99,13 +99,13 @@ def test_arcs_and_warnings(capsys, unpacked):
     ]
 
 
-def test_two_extruders(capsys, unpacked):
+def test_print_with_two_extruders(capsys, unpacked):
     result = printed(capsys, unpacked("plate_toolchanger"), "--machine", "dual-extruder")
     assert sum(result["filament_mm"].values()) == pytest.approx(1662.9, abs=0.1)
     assert result["filament_mm"]["e1"] == pytest.approx(215.4, abs=0.1)
 
 
-def test_table_reports_that_the_steps_are_right(capsys, unpacked):
+def test_table_confirms_that_all_steps_were_made(capsys, unpacked):
     assert main(["print", unpacked("demo")]) == 0
     out, err = capsys.readouterr()
     assert "net steps at the end        as expected on every motor" in out

@@ -161,7 +161,7 @@ def test_commands_without_motion_stop_no_print(capsys, program, line):
     assert (status, errors, result["final_position_mm"]["x"]) == (0, [], 20)
 
 
-def test_all_that_is_unknown_is_named_at_once(capsys, program):
+def test_all_unknown_commands_are_named_at_once(capsys, program):
     path = program("PRINT_START\nG29\nG1 X10 F600\nM600\nG87 X1\nM30\nPRINT_END\n")
     errors = outcome(capsys, path)[1]
     assert [error.split()[:2] for error in errors] == [
@@ -203,7 +203,7 @@ def test_estimate_and_steps_accept_partial_files(capsys, program, tmp_path, comm
     assert ("PRINT_START is unknown and was skipped" in told) is (command != "explain")
 
 
-def test_the_library_checks_unless_it_is_to_assume(program):
+def test_library_checks_programs_unless_told_to_assume(program):
     machine = passo.Machine.load("i3")
     piece, full = program("G1 X10 E5 F600\n"), None
     with pytest.raises(InputError, match="axis X is not homed"):

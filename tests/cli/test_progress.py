@@ -57,7 +57,7 @@ def _read(terminal: int) -> bytes:
         return b""
 
 
-def test_a_clock_of_its_own_is_waited_for(monkeypatch):
+def test_progress_waits_for_the_print_clock(monkeypatch):
     now, slept = [100.0], []
 
     def sleep(seconds):
@@ -78,7 +78,7 @@ def test_a_clock_of_its_own_is_waited_for(monkeypatch):
     assert (pace.every_s, Pace(None).every_s) == (2 * Pace(1.0).every_s, inf)
 
 
-def test_a_slow_clock_shows_no_bursts(unpacked):
+def test_progress_is_even_with_a_slow_clock(unpacked):
     """However much is planned at once, the board advances in small parts of print time."""
     path, seen = unpacked("demo"), []
     machine = config.load("i3")
@@ -103,7 +103,7 @@ def test_a_short_file_is_read_at_once_and_printed_slowly(tmp_path):
     assert seen[-1].share == 1
 
 
-def test_the_time_left_has_no_share_of_the_heating(tmp_path):
+def test_time_left_does_not_include_heating(tmp_path):
     """A hundred strokes, of which as many a second are done."""
     path, seen = tmp_path / "a.gcode", []
     path.write_text("M109 S200\nG28\n" + "G1 X10 F600\nG1 X0\n" * 50)
@@ -127,7 +127,7 @@ def test_the_time_left_has_no_share_of_the_heating(tmp_path):
         (90_061.0, "25 h 01 min 01 s"),
     ],
 )
-def test_durations(seconds, text):
+def test_durations_are_shown_in_readable_units(seconds, text):
     assert duration(seconds) == text
 
 
@@ -142,7 +142,7 @@ def test_the_progress_of_a_pipe_is_unknown():
     assert seen[-1].print_s > 2
 
 
-def test_a_pipe_sees_no_bar(command):
+def test_no_progress_bar_goes_into_a_pipe(command):
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert done.stderr == ""
     assert "layer " not in done.stdout

@@ -16,7 +16,7 @@ ENDINGS = [signal.SIGTERM, signal.SIGINT, signal.SIGHUP]
 
 
 @pytest.mark.parametrize("number", ENDINGS, ids=lambda number: number.name)
-def test_an_interrupt_ends_it_in_order(tmp_path, number):
+def test_interrupt_ends_serve_in_order(tmp_path, number):
     # Whoever runs the tests in the background may have it ignore some, and its children too.
     heeded = partial(signal.signal, number, signal.SIG_DFL)
     link = tmp_path / "printer"

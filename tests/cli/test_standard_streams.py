@@ -42,7 +42,7 @@ def test_standard_output_that_is_full_is_one_sentence(tmp_path, words, unbuffere
     assert "ignored" not in run.stderr
 
 
-def test_a_reader_that_has_gone_is_not_an_error():
+def test_closed_reader_of_output_is_not_an_error():
     command = f"{sys.executable} -m passo machines | true; echo ${{PIPESTATUS[0]}}"
     run = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
     assert (run.stdout, run.stderr) == ("0\n", "")
@@ -56,7 +56,7 @@ def test_a_reader_that_has_gone_is_not_an_error():
     ],
 )
 @pytest.mark.parametrize("unbuffered", ["", "1"])
-def test_a_reader_that_has_gone_hides_no_error(words, status, unbuffered):
+def test_closed_reader_of_output_hides_no_error(words, status, unbuffered):
     reader, writer = os.pipe()
     os.close(reader)
     command = [sys.executable, "-m", "passo", *words]
@@ -111,7 +111,7 @@ def test_a_full_standard_error_changes_nothing_else(tmp_path, text, status, unbu
 
 
 @pytest.mark.parametrize(("text", "status"), [("G28\nG1 X10 F600\n", 0), ("", 4)])
-def test_a_pipe_is_a_file(text, status):
+def test_pipe_is_accepted_as_a_file(text, status):
     command = [sys.executable, "-m", "passo", "estimate", "/dev/stdin"]
     run = subprocess.run(command, input=text, capture_output=True, text=True)
     assert run.returncode == status

@@ -19,7 +19,7 @@ def test_an_unsafe_temperature_is_a_warning_and_heats_nothing(tmp_path, capsys):
     assert warning.startswith(f"{path}:2: M104: heater hotend was switched off: 999 °C is outside")
 
 
-def test_foreign_commands_get_one_warning_each(capsys, tmp_path):
+def test_each_unknown_command_has_one_warning(capsys, tmp_path):
     """A file with a byte order mark, and without any line feed."""
     foreign = ["O1000", "D5", "H1", "Q5", "T?", "Tx", "Tc", "/G1 X5", "$H", "@pause", "T-1"]
     plain, path = tmp_path / "plain.gcode", tmp_path / "p.gcode"
@@ -35,7 +35,7 @@ def test_foreign_commands_get_one_warning_each(capsys, tmp_path):
     assert result["stream_hash"] == printed(capsys, str(plain))["stream_hash"]
 
 
-def test_codes_without_end_are_counted_together(capsys, tmp_path):
+def test_very_many_unknown_codes_are_counted_together(capsys, tmp_path):
     path = tmp_path / "p.gcode"
     path.write_text("".join(f"O{i}\n" for i in range(1, 1501)) + "M400\n")
     warnings = printed(capsys, str(path))["warnings"]
@@ -62,7 +62,7 @@ SENSELESS = {
 
 
 @pytest.mark.parametrize("line", SENSELESS)
-def test_values_without_sense_are_warnings_and_change_nothing(capsys, tmp_path, line):
+def test_impossible_values_warn_and_change_nothing(capsys, tmp_path, line):
     path = tmp_path / "p.gcode"
     path.write_text("G28\nG1 X100 Y50 E5 F3000\n")
     plain = printed(capsys, str(path))
@@ -104,7 +104,7 @@ def test_m205_sets_the_jerk_of_axes_within_the_machines_own(capsys, tmp_path):
     assert "M205: J B have no effect, because the machine's corners use the jerk" in warning
 
 
-def test_limits_beyond_the_machines_are_warned_of(capsys, tmp_path):
+def test_limits_above_the_machines_have_a_warning(capsys, tmp_path):
     path = tmp_path / "p.gcode"
     path.write_text("M203 X500\nM204 P9000\nM106 S300\nM106 S300\nG28\nG1 X9 F600\n")
     warnings = printed(capsys, str(path))["warnings"]

@@ -50,12 +50,12 @@ def problems(table: str, *changes: tuple[str, str]) -> list[str]:
         ('chip = "lis2dw"\ni2c_bus = "i2c1"', "accelerometer.i2c_bus", "give scl_pin, sda_pin"),
     ],
 )
-def test_what_is_wrong_is_named(table: str, key: str, says: str) -> None:
+def test_accelerometer_errors_name_the_key(table: str, key: str, says: str) -> None:
     found = problems(table)
     assert any(key in text and says in text for text in found), found
 
 
-def test_a_real_avr_is_too_slow() -> None:
+def test_accelerometer_on_an_avr_is_refused() -> None:
     (text,) = problems(SPI, REAL)
     assert "accelerometer.cs_pin" in text and "ATmega2560 is too slow" in text
     text, *_ = problems('spi_bus = "spi1"', REAL)
@@ -64,7 +64,7 @@ def test_a_real_avr_is_too_slow() -> None:
     assert "accelerometer.scl_pin" in text and "ATmega2560 is too slow" in text
 
 
-def test_a_raspberry_pi_has_a_bus_of_its_own() -> None:
+def test_accelerometer_may_be_on_a_raspberry_pi() -> None:
     """The words for Klipper's firmware."""
     tables = f"""{RPI}
 [accelerometer]
@@ -104,7 +104,7 @@ axes_map = ["-y", "x", "z"]
         ),
     ],
 )
-def test_i2c_in_the_words_of_klippers_firmware(keys: str, words: list[str], bus: str) -> None:
+def test_accelerometer_i2c_uses_klippers_messages(keys: str, words: list[str], bus: str) -> None:
     """As its host sends them: the pins' words are newer than those of a bus."""
     board = f'{RPI}[accelerometer]\nchip = "lis2dw"\n{keys}\n'
     described = board_descriptions(edited("i3", REAL, more=board))["rpi"]
@@ -116,5 +116,5 @@ def test_i2c_in_the_words_of_klippers_firmware(keys: str, words: list[str], bus:
     ]
 
 
-def test_a_machine_without_the_table_has_none() -> None:
+def test_machine_without_the_table_has_no_accelerometer() -> None:
     assert config.load("i3").accelerometer is None

@@ -269,7 +269,7 @@ def test_outputs_are_wired_as_in_the_machine_file(name: str) -> None:
     }
 
 
-def test_the_variants_of_a_ramps() -> None:
+def test_variants_of_ramps_have_their_outputs() -> None:
     board = config.load_board("ramps")
     outputs = {v: {k: f.output for k, f in fs.items()} for v, fs in board.variants.items()}
     assert outputs == VARIANTS
@@ -283,7 +283,7 @@ def test_the_variants_of_a_ramps() -> None:
 
 
 @pytest.mark.parametrize("name", BOARDS)
-def test_console_flash_and_clock(name: str) -> None:
+def test_boards_have_console_flash_method_and_clock(name: str) -> None:
     board = config.load_board(name)
     assert board.console and board.flash
     baud, connector, method, mhz = PORTS[name]
@@ -307,14 +307,14 @@ SELECTS = {
 
 
 @pytest.mark.parametrize("name", SELECTS)
-def test_chip_selects_of_drivers(name: str) -> None:
+def test_chip_selects_of_drivers_are_pins_of_the_board(name: str) -> None:
     board = config.load_board(name)
     found = [socket.select for socket in board.sockets.values()]
     assert found == [board.pin(pin) for pin in SELECTS[name]]
 
 
 @pytest.mark.parametrize("name", COMPARE)
-def test_compare_units(name: str) -> None:
+def test_compare_units_are_those_of_the_chip(name: str) -> None:
     board = config.load_board(name)
     assert board.chip
     units = [s.compare for s in board.sockets.values()]
@@ -441,7 +441,7 @@ def test_marks_of_a_pin_and_its_name_combine(outer: str, inner: str, pin: str) -
         ("pico", "GP25", None),
     ],
 )
-def test_lights_and_cards(name: str, led: str, select: str | None) -> None:
+def test_boards_have_pins_of_lights_and_cards(name: str, led: str, select: str | None) -> None:
     board = config.load_board(name)
     assert board.pin("LED") == board.pin(led)
     assert board.card.get("select") == (board.pin(select) if select else None)
@@ -454,7 +454,9 @@ def test_lights_and_cards(name: str, led: str, select: str | None) -> None:
         ("4pi", "PA3", "PA4", ["PA5", "PA6", "PA7", "PA8"]),
     ],
 )
-def test_cards_on_four_wires(name: str, clock: str, command: str, data: list[str]) -> None:
+def test_cards_on_sdio_have_their_pins(
+    name: str, clock: str, command: str, data: list[str]
+) -> None:
     card = config.load_board(name).card
     assert [card["clock"], card["command"], *(card[f"data{i}"] for i in range(4))] == [
         clock,
@@ -463,7 +465,7 @@ def test_cards_on_four_wires(name: str, clock: str, command: str, data: list[str
     ]
 
 
-def test_host_and_firmware_speak_at_one_rate() -> None:
+def test_host_and_firmware_use_the_same_baud_rate() -> None:
     text = config.shipped_text("i3")
     for line, bauds in (
         ("", (250_000, 250_000)),

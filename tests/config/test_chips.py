@@ -23,7 +23,7 @@ def test_all_chips_are_listed_here() -> None:
 
 
 @pytest.mark.parametrize("name", SIZES)
-def test_sizes(name: str) -> None:
+def test_chips_have_the_sizes_of_their_data_sheets(name: str) -> None:
     it = chip(name)
     pins, adc, pwm, units, flash, ram = SIZES[name]
     assert len(it.pins) == len(set(it.pins)) == pins
@@ -54,7 +54,7 @@ def test_pin_functions_name_existing_pins(name: str) -> None:
         ("rp2040", "gpio28", 2),
     ],
 )
-def test_channels_of_converters(name: str, pin: str, channel: int) -> None:
+def test_adc_channels_belong_to_existing_pins(name: str, pin: str, channel: int) -> None:
     assert chip(name).adc[pin] == channel
 
 
@@ -76,7 +76,7 @@ def test_channels_of_converters(name: str, pin: str, channel: int) -> None:
         ("rp2040", "gpio27", Pulse("PWM5", "B")),
     ],
 )
-def test_channels_of_timers(name: str, pin: str, pulse: Pulse) -> None:
+def test_timer_channels_belong_to_existing_pins(name: str, pin: str, pulse: Pulse) -> None:
     assert chip(name).pwm[pin] == (pulse,)
 
 
@@ -99,17 +99,17 @@ def test_a_pin_may_have_several_timers() -> None:
         ("pico", "GP28", "gpio28"),
     ],
 )
-def test_printed_numbers(name: str, number: str, pin: str) -> None:
+def test_numbers_printed_on_boards_name_their_pins(name: str, number: str, pin: str) -> None:
     assert numbering(name)[number] == pin
 
 
-def test_ranges_of_pins() -> None:
+def test_ranges_of_pins_are_expanded() -> None:
     assert expanded(["PA0-1", "gpio28-29", "PK7"]) == ["PA0", "PA1", "gpio28", "gpio29", "PK7"]
     with pytest.raises(ValueError, match="'P' names no pins"):
         expanded(["P"])
 
 
-def test_unknown_names() -> None:
+def test_unknown_pin_names_are_refused() -> None:
     with pytest.raises(KeyError):
         chip("z80")
     with pytest.raises(KeyError):

@@ -89,7 +89,7 @@ def test_drivers_become_part_of_the_board():
         ('clock_pin = "D25"', 'clock_pin = "!D25"', "steppers.e.tmc.clock_pin", "expected no !"),
     ],
 )  # fmt: skip
-def test_mistakes(old, new, key, sentence):
+def test_wiring_mistakes_of_drivers_are_named(old, new, key, sentence):
     found = problems(changed(old, new))
     assert [k for k, _ in found] == [key]
     assert sentence in found[0][1]

@@ -212,7 +212,9 @@ def test_a_problem_reads_as_a_sentence() -> None:
         ("max_mm = 250.0", "max_mm = 0.0", "axes.x.max_mm", "more than min_mm, which is 0"),
     ],
 )
-def test_one_wrong_place(i3_text: str, old: str, new: str, key: str, expected: str) -> None:
+def test_wrong_value_names_its_place(
+    i3_text: str, old: str, new: str, key: str, expected: str
+) -> None:
     assert old in i3_text
     found = [str(p) for p in problems_of(i3_text.replace(old, new, 1)) if p.values["key"] == key]
     assert len(found) == 1
@@ -256,7 +258,7 @@ def test_an_empty_file_lacks_every_table() -> None:
     }
 
 
-def test_bytes_that_are_not_text(tmp_path: Path) -> None:
+def test_binary_machine_file_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "binary.toml"
     path.write_bytes(b"name = '\xff'")
     with pytest.raises(ConfigError, match=r":1: is not UTF-8 text: byte 0xFF at column 9\. Save"):
@@ -274,7 +276,7 @@ def test_utf_16_is_named(tmp_path: Path, code: str) -> None:
         config.load(path)
 
 
-def test_a_byte_order_mark_before_a_machine_file_means_nothing(tmp_path: Path) -> None:
+def test_byte_order_mark_of_a_machine_file_is_ignored(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     path.write_bytes(config.shipped_text("i3").encode("utf-8-sig"))
     assert config.load(path).name == "i3"
@@ -338,7 +340,7 @@ def test_a_byte_order_mark_is_not_part_of_the_text(tmp_path: Path, i3_text: str)
         ),
     ],
 )
-def test_scales_that_no_motor_has(i3_text: str, new: str, key: str, limit: str) -> None:
+def test_impossible_scales_are_refused(i3_text: str, new: str, key: str, limit: str) -> None:
     text = i3_text.replace("steps_per_mm = 80.0", new, 1)
     (problem,) = problems_of(text)
     assert problem.values["key"] == f"steppers.x.{key}"
@@ -356,7 +358,9 @@ def test_scales_that_no_motor_has(i3_text: str, new: str, key: str, limit: str) 
         ("jerk_mm_s", "1e300", "a number of at most 1000000"),
     ],
 )
-def test_motion_that_no_machine_has(i3_text: str, key: str, value: str, limit: str) -> None:
+def test_impossible_motion_limits_are_refused(
+    i3_text: str, key: str, value: str, limit: str
+) -> None:
     text = re.sub(rf"(?m)^{key} = .*\n", "", i3_text.partition("[axes.y]")[0])
     text += f"{key} = {value}\n[axes.y]{i3_text.partition('[axes.y]')[2]}"
     (problem,) = problems_of(text)
@@ -378,7 +382,7 @@ def test_an_unknown_key_gets_the_list_of_its_table_however_long(i3_text):
     assert "board.qqq is not a known key. Known here: base, baud, budget, " in str(error.value)
 
 
-def test_a_heater_of_no_kind_is_one_problem(i3_text):
+def test_heater_without_a_kind_is_one_error(i3_text):
     with pytest.raises(ConfigError) as error:
         config.load_text(f'{i3_text}\n[heaters.x]\npin = "D11"\nsensor_pin = "T2"\nmax_c = 90.0\n')
     (problem,) = error.value.problems

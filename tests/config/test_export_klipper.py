@@ -24,7 +24,7 @@ def back(machine: config.MachineConfig, folder: Path) -> config.MachineConfig:
 
 
 @pytest.mark.parametrize("name", MACHINES)
-def test_what_is_exported_comes_back(name: str, tmp_path: Path) -> None:
+def test_exported_klipper_file_imports_equal(name: str, tmp_path: Path) -> None:
     machine = config.load(name)
     other = back(machine, tmp_path)
     assert other.geometry == machine.geometry

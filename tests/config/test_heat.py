@@ -22,7 +22,7 @@ def loaded(text: str, lines: str) -> config.MachineConfig:
     return config.load_text(text.replace(HEAD, HEAD + lines, 1), "my.toml")
 
 
-def test_defaults(i3_text):
+def test_heater_defaults_are_those_of_the_reference(i3_text):
     heater = config.load_text(i3_text).heaters["hotend"]
     assert heater.sensor.kind == "thermistor"
     assert heater.control.kind == "pid"
@@ -126,7 +126,7 @@ def test_a_gain_that_no_unit_explains_gets_the_usual_range(i3_text, tmp_path):
     )
 
 
-def test_a_fan_that_is_not_there(i3_text):
+def test_unknown_fan_of_a_heater_is_named(i3_text):
     with pytest.raises(ConfigError, match=r"fan is 'prat': .* Did you mean 'part'"):
         config.load_text(i3_text.replace('fan = "part"', 'fan = "prat"'))
 
@@ -138,7 +138,7 @@ def test_max_c_is_within_the_range_of_the_sensor(i3_text):
     assert "heaters.hotend.max_c is 285.0: expected at most 150 °C" in str(raised.value)
 
 
-def test_a_table_from_a_file(i3_text, tmp_path):
+def test_sensor_table_is_read_from_a_file(i3_text, tmp_path):
     (tmp_path / "ntc.csv").write_text("# °C, share\n25, 0.9\n\n300.5, 0.5  # hot\n")
     text = i3_text.replace(HEAD, HEAD + "sensor = { kind = 'table', file = 'ntc.csv' }\n", 1)
     machine = tmp_path / "my.toml"
@@ -246,7 +246,7 @@ def test_each_name_loads_with_the_values_of_the_reference(i3_text, named):
         ),
     ],
 )
-def test_names_in_all_their_spellings(i3_text, written, same):
+def test_sensor_names_are_found_in_any_spelling(i3_text, written, same):
     one, other = (loaded(i3_text, f"sensor = {x}\n").heaters["hotend"] for x in (written, same))
     assert one.sensor == other.sensor
 
@@ -273,7 +273,7 @@ def test_sensor_name_takes_pull_up_of_board(i3_text):
         ("'qqq'", "sensor", "docs/reference/sensors.md"),
     ],
 )
-def test_an_unknown_sensor_gets_the_names_like_it(i3_text, written, key, near):
+def test_unknown_sensor_error_lists_similar_names(i3_text, written, key, near):
     with pytest.raises(ConfigError) as error:
         loaded(i3_text, f"sensor = {written}\n")
     (problem,) = error.value.problems

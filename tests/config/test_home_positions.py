@@ -57,7 +57,7 @@ def test_the_arms_must_reach_the_switch_of_an_axis():
         config.load_text(text, "far.toml")
 
 
-def test_with_switches_the_arms_are_where_these_are():
+def test_arms_with_switches_take_their_positions():
     with Scenario(config.load_text(changed("scara", x_offset="9000.0"))) as s:
         s.host.ok("G28 A B", 60)
         assert "beyond its limit of -60.000 degrees. " in s.host.ok("G1 X10 Y10 F600")[0]

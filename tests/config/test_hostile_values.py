@@ -29,7 +29,7 @@ VALUES = st.sampled_from(
 
 @settings(max_examples=300, derandomize=True, deadline=None)
 @given(st.data())
-def test_any_value_in_any_place(data: st.DataObject) -> None:
+def test_line_is_found_for_any_value(data: st.DataObject) -> None:
     lines = config.shipped_text(data.draw(st.sampled_from(config.shipped_machines()))).splitlines()
     places = [index for index, line in enumerate(lines) if line.strip() and line[0] != "#"]
     for index in data.draw(st.lists(st.sampled_from(places), min_size=1, max_size=4, unique=True)):

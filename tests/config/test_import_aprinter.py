@@ -212,7 +212,7 @@ def load(tmp_path: Path):
     return convert
 
 
-def test_motors_and_axes(load) -> None:
+def test_aprinter_motors_and_axes_are_imported(load) -> None:
     _, machine = load()
     x, u = machine.axes["x"], machine.axes["u"]
     assert (x.min_mm, x.max_mm, x.speed_mm_s, x.accel_mm_s2) == (0, 200, 300, 1500)
@@ -231,7 +231,7 @@ def test_motors_and_axes(load) -> None:
     assert machine.idle.motors_off_s == 300
 
 
-def test_homing(load) -> None:
+def test_aprinter_homing_is_imported(load) -> None:
     _, machine = load()
     x, y = machine.homing["x"], machine.homing["y"]
     assert (x.direction, x.position, x.pin) == ("min", 1.5, "!^D3")
@@ -239,7 +239,7 @@ def test_homing(load) -> None:
     assert (y.direction, y.position, y.pin) == ("max", 201.5, "^D15")
 
 
-def test_heaters_and_fans(load) -> None:
+def test_aprinter_heaters_and_fans_are_imported(load) -> None:
     """Gains of full power become those of 255; a filter that keeps 3/4 in 0.2 s has 0.6 s."""
     _, machine = load()
     hotend, bed = machine.heaters["hotend"], machine.heaters["bed"]
@@ -256,7 +256,7 @@ def test_heaters_and_fans(load) -> None:
     assert load(platinum)[1].heaters["bed"].sensor.kind == "pt1000"
 
 
-def test_probe_points_and_moves(load) -> None:
+def test_aprinter_probe_points_and_moves_are_imported(load) -> None:
     _, machine = load()
     probe, levelling = machine.probe, machine.levelling
     assert (probe.pin, probe.offset_mm, probe.trigger_height_mm) == ("!^D19", [18, 10], 4.5)
@@ -271,7 +271,7 @@ def test_probe_points_and_moves(load) -> None:
     assert (move.hook, move.priority) == ("after_homing", 11)
 
 
-def test_stored_options_count_more(load) -> None:
+def test_stored_options_override_aprinter_defaults(load) -> None:
     """The lines of aprinter.cfg, and those that M503 answers, are read alike."""
     stored = "XStepsPerUnit=81.5\nZMaxPos=180\nExtruderHeater0PidP=0.1\nXInvertDir=1\n"
     stored += "M926 IProbeP2X V140\nProbeOffsetX=-20\nMaxStepsPerCycle=1\nno option\n"
@@ -293,7 +293,7 @@ def axis(name: str, high: float, **more: Any) -> dict[str, Any]:
     return {"Name": name, "MinPos": 0, "MaxPos": high, "MaxSpeed": 250, "homing": none, **more}
 
 
-def test_core_belts(load) -> None:
+def test_aprinter_core_belts_are_imported(load) -> None:
     ends = homing("X-"), homing("Y+", upward=True)
     for end in ends:
         del end["HomeOffset"]
@@ -312,7 +312,7 @@ def test_core_belts(load) -> None:
     assert (machine.homing["y"].direction, machine.homing["y"].position) == ("max", 190)
 
 
-def test_delta(load) -> None:
+def test_aprinter_delta_is_imported(load) -> None:
     transform = {
         "_compoundName": "Delta",
         "DiagnalRod": 200,
@@ -354,7 +354,7 @@ def arms(kind: str, axes: str, motors: str, reach: float = 100, **values: Any) -
     }
 
 
-def test_rotational_delta(load) -> None:
+def test_aprinter_rotational_delta_is_imported(load) -> None:
     lengths = {"EndEffectorLength": 30, "BaseLength": 40, "RodLength": 130, "ArmLength": 80}
     transform = arms("RotationalDelta", "XYZ", "ABC", **lengths, ZOffset=150)
     ends = [homing("X-"), homing("Y+"), homing("Z-")]
@@ -389,7 +389,7 @@ def test_rotational_delta(load) -> None:
 
 
 @pytest.mark.parametrize("external", [True, False])
-def test_scara(load, external: bool) -> None:
+def test_aprinter_scara_is_imported(load, external: bool) -> None:
     values = {"Arm1Length": 150, "Arm2Length": 140, "XOffset": 50, "YOffset": -60}
     transform = arms("SCARA", "XY", "BA", **values, ExternalArm2Motor=external)
     steppers = [
@@ -412,7 +412,7 @@ def test_scara(load, external: bool) -> None:
     assert machine.axes["x"].home_mm is None  # with the arms at their ends the nozzle is outside
 
 
-def test_dual_scara(load) -> None:
+def test_aprinter_dual_scara_is_imported(load) -> None:
     values = {"Arm1ShoulderXCoord": -40, "Arm2ShoulderXCoord": 45, "XOffset": 5, "YOffset": -90}
     values |= {"Arm1ProximalSideLength": 61, "Arm2ProximalSideLength": 62}
     values |= {"Arm1DistalSideLength": 71, "Arm2DistalSideLength": 72}

@@ -79,7 +79,7 @@ def test_every_shipped_board_is_known_by_its_pins(tmp_path: Path, name: str) -> 
     assert config.load_text(imported(path).text(""), "x.toml").board.base == name
 
 
-def test_wires_of_drivers_tell_like_boards_apart(tmp_path: Path) -> None:
+def test_similar_boards_are_distinguished_by_driver_wiring(tmp_path: Path) -> None:
     path = tmp_path / "printer.cfg"
     for name in ("skr-1.3", "skr-1.4"):
         board = config.load_board(name)

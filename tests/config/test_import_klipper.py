@@ -450,7 +450,7 @@ gcode: M118 { printer["gcode_macro _My_Vars"].count } { printer["fan_generic Fan
     assert told[-1] == "M118 4 0.5 40.0"
 
 
-def test_pins_on_a_second_board(load) -> None:
+def test_pins_of_a_second_board_are_imported(load) -> None:
     more = "[mcu EBBCan]\nserial: /dev/ttyACM1\n"
     _, machine = load(("pin: PA8", "pin: !EBBCan: PB3"), more=more)
     assert machine.fans["Hotend_Fan"].pin == "!EBBCan:PB3"
@@ -553,7 +553,7 @@ tuning_goal: silent
     assert any("give steppers.z.tmc.motor from the data sheet of somebodys" in t for t in decided)
 
 
-def test_probe_homes_z_and_measures_a_mesh_within_reach(load) -> None:
+def test_klipper_probe_homes_z_and_mesh_is_within_reach(load) -> None:
     more = """\
 [probe]
 pin: ^PA12
@@ -691,12 +691,12 @@ def test_rotary_delta_counts_angles_downward(load) -> None:
         ("position_endstop: 252", "position_endstop: 950", "a height in reach: arm A and its rod"),
     ],
 )
-def test_arms_that_passo_does_not_have(load, old: str, new: str, sentence: str) -> None:
+def test_unsupported_arms_are_refused(load, old: str, new: str, sentence: str) -> None:
     with pytest.raises(ConfigError, match=sentence):
         load(*ROTARY, (old, new), text=rotary_delta())
 
 
-def test_corexy_motors(load) -> None:
+def test_corexy_motors_are_imported(load) -> None:
     _, machine = load(("cartesian", "corexy"), ("stepper: stepper_x", "stepper: stepper_y"))
     assert machine.steppers["a"].step_pin == "PC2"
     assert machine.fans["board"].follows_motors == ["b", "z1"]
@@ -840,7 +840,7 @@ def test_each_part_that_is_left_out_is_named_with_what_it_means(load) -> None:
     assert any("PAUSE, RESUME" in text for text in remarks(draft, "changed"))
 
 
-def test_includes_and_saved_values_count(tmp_path: Path) -> None:
+def test_included_files_and_saved_values_are_read(tmp_path: Path) -> None:
     (tmp_path / "parts").mkdir()
     (tmp_path / "parts/bed.cfg").write_text("[heater_bed]\nmax_temp: 111\n")
     saved = (
@@ -979,7 +979,7 @@ SAVED = "#*# <---------------------- SAVE_CONFIG ---------------------->\n"
 
 
 @pytest.mark.parametrize("file", ["none.cfg", "~/none.cfg", "/dev/zero"])
-def test_include_of_a_file_that_is_none_is_to_decide(load, file: str) -> None:
+def test_missing_include_is_an_open_decision(load, file: str) -> None:
     draft, _ = load(("[printer]", f"[include {file}]\n[printer]"))
     assert f"[include {file}]: the file is missing" in "\n".join(remarks(draft, "decide"))
 

@@ -76,7 +76,7 @@ def test_heater_without_a_sure_sensor_is_left_out(load, old: str, new: str, reas
         ),
     ],
 )
-def test_part_that_is_wrong_is_left_out_alone(load, more: str, reason: str) -> None:
+def test_only_the_wrong_part_is_left_out(load, more: str, reason: str) -> None:
     draft, machine = load(more=more)
     assert reason in "\n".join(remarks(draft, "decide"))
     assert (machine.board.link, [*machine.heaters]) == ("serial", ["hotend", "bed"])
@@ -146,7 +146,7 @@ def test_every_draft_becomes_valid_or_names_a_place() -> None:
     assert ("colour",) not in draft.keys
 
 
-def test_import_goes_on_without_files_that_are_missing(
+def test_import_continues_without_missing_files(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -169,7 +169,7 @@ def test_missing_files_are_named_if_the_machine_cannot_move(tmp_path: Path) -> N
     assert codes == [("import.section", "printer"), ("import.missing", "printer_part.cfg")]
 
 
-def test_board_of_the_command_line_counts(
+def test_board_option_overrides_the_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)

@@ -194,7 +194,7 @@ def test_heaters_have_sensors_gains_limits_and_protections(load) -> None:
     assert any("THERMAL_PROTECTION_BED is off" in text for text in remarks(draft, "changed"))
 
 
-def test_fans_of_the_part_of_the_hotend_and_of_the_board(load) -> None:
+def test_part_hotend_and_board_fans_are_imported(load) -> None:
     more = "#define USE_CONTROLLER_FAN\n#define CONTROLLER_FAN_PIN 6\n"
     _, machine = load(advanced=ADVANCED + more + "#define CONTROLLERFAN_IDLE_TIME 15\n")
     part, hotend, board = (machine.fans[name] for name in ("part", "hotend_fan", "board"))
@@ -206,7 +206,7 @@ def test_fans_of_the_part_of_the_hotend_and_of_the_board(load) -> None:
     assert machine.idle.motors_off_s == 120
 
 
-def test_junction_deviation_counts_without_classic_jerk(load) -> None:
+def test_junction_deviation_is_used_without_classic_jerk(load) -> None:
     _, machine = load(("#define CLASSIC_JERK\n", ""))
     assert (machine.limits.junction, machine.limits.junction_deviation_mm) == ("deviation", 0.013)
 
@@ -236,7 +236,7 @@ PROBE = """\
         ("#define Z_PROBE_SERVO_NR 1\n#define Z_SERVO_ANGLES { 80, 10 }", "servo", "SERVO1"),
     ],
 )
-def test_probe_homes_z(load, define: str, kind: str, control: str | None) -> None:
+def test_marlin_probe_homes_z(load, define: str, kind: str, control: str | None) -> None:
     _, machine = load(more=f"{PROBE}{define}\n")
     probe = machine.probe
     assert (probe.kind, probe.pin, probe.offset_mm) == (kind, "!^Z_MIN", [-40, 12])
@@ -278,7 +278,7 @@ def test_mesh_by_hand_without_a_probe(load) -> None:
     assert machine.homing["z"].pin == "!^Z_MIN"
 
 
-def test_screws_and_motors_of_z(load) -> None:
+def test_marlin_screws_and_z_motors_are_imported(load) -> None:
     more = """\
 #define ASSISTED_TRAMMING
 #define TRAMMING_POINT_XY { { 20, 21 }, { 170, 20 } }
@@ -392,7 +392,7 @@ def test_boards_with_the_firmware_of_klipper(load, board, base, sockets, wire) -
     assert (machine.pin(tmc.uart_pin), send, tmc.address) == wire
 
 
-def test_shaping(load) -> None:
+def test_marlin_shapers_are_imported(load) -> None:
     more = "#define INPUT_SHAPING_X\n#define SHAPING_FREQ_X 41.5\n#define SHAPING_ZETA_X 0.15f\n"
     more += "#define FT_MOTION\n#define FTM_IS_DEFAULT_MOTION\n"
     more += "#define FTM_DEFAULT_SHAPER_Y ftMotionShaper_2HEI\n"
@@ -403,7 +403,7 @@ def test_shaping(load) -> None:
     assert (y.type, y.frequency_hz) == ("2hump_ei", 37)
 
 
-def test_backlash(load) -> None:
+def test_marlin_backlash_is_imported(load) -> None:
     more = "#define BACKLASH_COMPENSATION\n#define BACKLASH_DISTANCE_MM { 0.2, 0.1, 0 }\n"
     more += "#define BACKLASH_CORRECTION 0.5\n#define BACKLASH_SMOOTHING_MM 2\n"
     _, machine = load(advanced=ADVANCED + more)
@@ -414,7 +414,7 @@ def test_backlash(load) -> None:
     assert any("no gap is corrected" in text for text in remarks(draft, "dropped"))
 
 
-def test_model_of_a_heater(load) -> None:
+def test_marlin_heater_model_is_imported(load) -> None:
     """A block of 20 J/K that loses 0.08 W/K is 500 K above the room at 40 W, in 250 s."""
     more = "#define MPCTEMP\n#define MPC_HEATER_POWER { 40.0f }\n#define MPC_INCLUDE_FAN\n"
     more += "#define MPC_BLOCK_HEAT_CAPACITY { 20 }\n#define MPC_AMBIENT_XFER_COEFF { 0.08 }\n"
@@ -427,7 +427,7 @@ def test_model_of_a_heater(load) -> None:
     assert (hotend.model.sensor_lag_s, hotend.model.fan_loss) == (5, 0.25)
 
 
-def test_sensors_of_other_kinds(load) -> None:
+def test_marlin_converters_and_amplifiers_are_imported(load) -> None:
     custom = "#define HOTEND0_PULLUP_RESISTOR_OHMS 2200\n#define HOTEND0_BETA 4000\n"
     custom += "#define HOTEND0_RESISTANCE_25C_OHMS 99000\n#define HOTEND0_SH_C_COEFF 1e-7\n"
     _, machine = load(("TEMP_SENSOR_0 5", "TEMP_SENSOR_0 1000"), advanced=custom)
@@ -450,7 +450,7 @@ def test_sensors_of_other_kinds(load) -> None:
     assert hotend.sensor.clock_pin == "PB1"
 
 
-def test_delta(load) -> None:
+def test_marlin_delta_is_imported(load) -> None:
     """A carriage is √(rod² - radius²) above the nozzle; a trim of -0.5 puts its switch higher."""
     _, machine = load(
         ("#define Z2_DRIVER_TYPE A4988\n", ""),
@@ -486,7 +486,7 @@ ANGLES = "#define SCARA_OFFSET_THETA1 10\n#define SCARA_OFFSET_THETA2 80\n"
         (f"{MORGAN}{ANGLES}", (10, 80)),
     ],
 )
-def test_scara(load, more: str, ends: tuple[float, float]) -> None:
+def test_marlin_scara_is_imported(load, more: str, ends: tuple[float, float]) -> None:
     draft, machine = load(more=f"{ARMS}{more}")
     geometry = machine.geometry
     assert (geometry.kind, geometry.arm1, geometry.arm2) == ("scara", 150, 150)
@@ -512,7 +512,7 @@ def test_scara_that_does_not_reach_its_home(load, length: float, limit: str) -> 
     assert limit in str(caught.value)
 
 
-def test_core_belts(load) -> None:
+def test_marlin_core_belts_are_imported(load) -> None:
     _, machine = load(more="#define COREYX\n")
     assert machine.geometry.kind == "corexy"
     assert (machine.steppers["a"].invert, machine.steppers["b"].invert) == (True, True)
@@ -549,7 +549,7 @@ def test_power_laser_park_and_skew(load) -> None:
     )
 
 
-def test_report_names_what_is_left(load) -> None:
+def test_marlin_report_names_unsupported_options(load) -> None:
     more = "#define SDSUPPORT\n#define S_CURVE_ACCELERATION\n#define MY_OWN_OPTION 3\n"
     more += "#if HAS_SOMETHING\n  #define BED_CENTER_AT_0_0\n#endif\n#define FWRETRACT false\n"
     draft, _ = load(more=more)
@@ -742,7 +742,7 @@ ok
 """
 
 
-def test_stored_values_count_more(load, tmp_path: Path) -> None:
+def test_values_of_m503_override_the_configuration(load, tmp_path: Path) -> None:
     more = f"{PROBE}#define BLTOUCH\n#define INPUT_SHAPING_X\n#define SHAPING_FREQ_X 40\n"
     _, before = load(more=f"{more}#define LIN_ADVANCE\n#define ADVANCE_K 0\n")
     ends = before.homing

@@ -136,7 +136,7 @@ def test_delta_has_carriages_that_home_upward(load) -> None:
     assert machine.homing["a"].position == pytest.approx(height, abs=1e-5)
 
 
-def test_report_says_what_is_to_decide(load) -> None:
+def test_rrf_report_names_open_decisions(load) -> None:
     draft, machine = load(more='if {state.status = "idle"}\n  M117 hi\nM98 P"more.g"\nM42 P1 S1\n')
     decide = "\n".join(remarks(draft, "decide"))
     assert machine.board.link == "simulated"
@@ -168,7 +168,7 @@ def test_tools_have_heaters_and_offsets(load) -> None:
         ("M92 X80", "M92 Xhot", "M92/X is 'hot': expected a number"),
     ],
 )
-def test_values_without_which_nothing_moves_are_refused(load, old, new, message) -> None:
+def test_rrf_import_needs_the_values_of_motion(load, old, new, message) -> None:
     with pytest.raises(ConfigError) as caught:
         load((old, new))
     assert message in str(caught.value)

@@ -60,7 +60,7 @@ i = 2
         (("many", 1, "inner", 1, "i"), 29),
     ],
 )
-def test_line_of_a_key(path: tuple[str | int, ...], line: int) -> None:
+def test_each_key_has_its_line(path: tuple[str | int, ...], line: int) -> None:
     assert key_lines(TEXT)[path] == line
     assert key_lines(TEXT.replace("\n", "\r\n"))[path] == line
 

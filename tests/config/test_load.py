@@ -73,12 +73,12 @@ def test_shipped_machine_loads_under_its_own_name(name: str) -> None:
     assert [axis["letter"] for axis in spec["axes"]][:3] == ["X", "Y", "Z"]
 
 
-def test_uuids_differ() -> None:
+def test_shipped_machines_have_different_uuids() -> None:
     uuids = [config.load(name).uuid for name in config.shipped_machines()]
     assert len(set(uuids)) == len(uuids)
 
 
-def test_i3_for_the_core() -> None:
+def test_i3_is_compiled_for_the_core() -> None:
     spec = config.load("i3").core_spec()
     assert spec["clock_hz"] == 16_000_000
     assert spec["tolerance_s"] == 2e-6
@@ -136,7 +136,7 @@ def test_big_fish_lifts_with_two_motors_of_reversed_direction() -> None:
     assert [s["max_rate_hz"] for s in steppers] == [4e5, 4e5, 5e5, 5e5, 4e5]
 
 
-def test_fisher_towers() -> None:
+def test_fisher_delta_has_its_tower_angles() -> None:
     spec = config.load("delta").core_spec()
     assert spec["geometry"]["radius"] == 81.0
     assert spec["geometry"]["rods"] == [160.0, 160.0, 160.0]
@@ -147,7 +147,7 @@ def test_fisher_towers() -> None:
     assert [axis["home"] for axis in spec["axes"]] == [0.0, 0.0, 180.018117131]
 
 
-def test_arms_count_in_degrees() -> None:
+def test_arm_motors_are_scaled_in_degrees() -> None:
     arm = config.load("rotary-delta").core_spec()["steppers"][2]
     assert arm["name"] == "c"
     assert (arm["steps_per_unit"], arm["min"], arm["max"]) == (218.18, -30.0, 80.0)
@@ -166,7 +166,7 @@ def test_two_extruders_have_two_motors_and_an_offset() -> None:
     assert [(s["name"], s["index"]) for s in spec["steppers"][3:]] == [("e", 0), ("e1", 1)]
 
 
-def test_a_path_loads_like_a_name(tmp_path: Path, i3_text: str) -> None:
+def test_machine_loads_by_path_or_name(tmp_path: Path, i3_text: str) -> None:
     path = tmp_path / "mine.toml"
     path.write_text(i3_text.replace('name = "i3"', 'name = "mine"'))
     assert config.load(path).core_spec()["steppers"] == config.load("i3").core_spec()["steppers"]
@@ -239,7 +239,7 @@ def test_an_axis_may_be_at_home_below_zero() -> None:
         config.load_text(text.replace("HOME", "-10.1"))
 
 
-def test_numbers_of_fans() -> None:
+def test_fan_numbers_are_from_0_to_255() -> None:
     for number in (0, 255):
         machine = config.load_text(I3.replace('pin = "D9"', f'pin = "D9"\nnumber = {number}'))
         assert machine.fans["part"].number == number
@@ -271,7 +271,7 @@ def test_a_file_without_the_ending_toml_is_not_a_machine(tmp_path, monkeypatch) 
     assert str(caught.value) == told
 
 
-def test_missing_file_and_directory(tmp_path: Path) -> None:
+def test_missing_file_and_directory_are_named(tmp_path: Path) -> None:
     for path in (tmp_path / "none.toml", tmp_path):
         with pytest.raises(ConfigError) as caught:
             config.load(path)
@@ -314,7 +314,7 @@ def test_the_documented_geometries_are_those_that_there_are() -> None:
     assert not told
 
 
-def test_the_documented_machine_is_right_but_for_the_rest_of_it() -> None:
+def test_documented_machine_excerpt_is_valid() -> None:
     text = (Path(__file__).parents[2] / "docs" / "how-to" / "write-a-machine-file.md").read_text()
     example = text.split("```toml\n")[1].split("```")[0]
     with pytest.raises(ConfigError) as caught:

@@ -8,7 +8,7 @@ from passo.config.machine_text import HIDDEN, machine_text
 
 
 @pytest.mark.parametrize("name", shipped_machines())
-def test_text_of_a_machine_describes_the_same_machine(name):
+def test_machine_written_as_text_loads_equal(name):
     machine = load(name)
     text = machine_text(machine)
     assert text.count(HIDDEN) == 1

@@ -19,7 +19,7 @@ KEPT = ("G0", "G1", "G3", "M2", "M30", "M98", "M112", "M410", "M108", "M999", "E
 
 
 @pytest.mark.parametrize("name", KEPT)
-def test_commands_that_no_macro_replaces(name):
+def test_some_commands_cannot_be_replaced_by_macros(name):
     with pytest.raises(ConfigError, match=rf"macros\.{name} is '{name}': expected another name"):
         with_macros(macro(name, "M400", rename_existing='"M9999"'))
 
@@ -57,7 +57,7 @@ def test_commands_that_no_macro_replaces(name):
         ("[delayed_gcode.one]\ngcode = '{'", "delayed_gcode.one.gcode is '{': expected G-code"),
     ],
 )
-def test_macros_that_cannot_be_used(text, told):
+def test_invalid_macros_are_refused(text, told):
     with pytest.raises(ConfigError, match=re.escape(told)):
         with_macros(text)
 

@@ -55,7 +55,7 @@ def test_a_pin_has_one_owner_under_all_its_names(i3_text: str, name: str) -> Non
         ),
     ],
 )
-def test_a_mark_that_does_nothing(i3_text: str, old: str, new: str, says: str) -> None:
+def test_pin_mark_without_effect_is_refused(i3_text: str, old: str, new: str, says: str) -> None:
     (problem,) = problems_of(i3_text.replace(old, new, 1))
     assert says in problem
 
@@ -80,7 +80,7 @@ def test_motors_that_share_their_enable_pin_agree_on_it(i3_text: str) -> None:
     )
 
 
-def test_the_bed_and_the_fan_of_a_hhf(i3_text: str) -> None:
+def test_fan_cannot_use_the_bed_output_of_a_hhf(i3_text: str) -> None:
     text = i3_text.replace('pin = "D9"', 'pin = "D8"')
     (problem,) = problems_of(text)
     owner = place(text, 'pin = "D8"')
@@ -102,12 +102,12 @@ def test_drivers_on_spi_and_the_card_share_no_select(
     assert f"{pin} belongs to board.card.{key} ({board_place('ramps', 'card', key)})" in problem
 
 
-def test_fitted_lists_each_part_once(i3_text: str) -> None:
+def test_fitted_parts_are_listed_once(i3_text: str) -> None:
     (problem,) = problems_of(i3_text + 'fitted = ["card", "card"]\n')
     assert "board.fitted[1] is 'card': expected each thing once" in problem
 
 
-def test_two_displays_share_their_plug(i3_text: str) -> None:
+def test_two_displays_cannot_use_one_plug(i3_text: str) -> None:
     both = '["reprap-discount-smart", "reprap-discount-full-graphic"]'
     problems = problems_of(i3_text + f"fitted = {both}\n")
     keys = ("select", "mosi", "sck", "beeper", "encoder_a", "encoder_b", "click", "kill")
@@ -132,7 +132,7 @@ def test_microstep_pins_belong_to_the_motor_in_their_socket() -> None:
     )
 
 
-def test_the_doubled_switch_of_a_4pi() -> None:
+def test_two_names_of_a_4pi_endstop_pin_conflict() -> None:
     text = FOUR_PI + 'endstops = { Y_MAX = "PC17" }\n'
     (problem,) = problems_of(text.replace('"^Y_MIN"', '"^Y_MAX"'))
     assert "homing.z.pin is '^Z_MIN': expected a pin of its own: PC17 belongs to homing.y.pin" in (
@@ -140,7 +140,7 @@ def test_the_doubled_switch_of_a_4pi() -> None:
     )
 
 
-def test_the_console_keeps_its_pins(i3_text: str) -> None:
+def test_console_pins_cannot_be_used(i3_text: str) -> None:
     (problem,) = problems_of(i3_text.replace('pin = "D9"', 'pin = "D1"'))
     owner = board_place("ramps", "console")
     assert "fans.part.pin is 'D1': expected a pin of its own: PE1 belongs to" in problem
@@ -204,12 +204,12 @@ def test_a_chip_with_compare_units_has_no_more_motors() -> None:
         ('numbering = "mega"', "board.numbering is 'mega': expected a numbering of pins"),
     ],
 )
-def test_messages_that_a_board_lacks(i3_text: str, line: str, says: str) -> None:
+def test_missing_messages_of_a_board_are_named(i3_text: str, line: str, says: str) -> None:
     (problem,) = (p for p in problems_of(i3_text + line + "\n") if says in p)
     assert "Did you mean" in problem or "Known here" in problem
 
 
-def test_a_pin_that_does_not_exist(i3_text: str) -> None:
+def test_unknown_pin_is_named(i3_text: str) -> None:
     (problem,) = problems_of(i3_text.replace('pin = "D9"', 'pin = "PM9"'))
     assert "fans.part.pin is 'PM9': expected a pin of ATmega2560 or a name on the board" in problem
 
@@ -221,7 +221,7 @@ def test_motors_may_share_their_enable_pin_and_nothing_else() -> None:
     assert "PD6 belongs to steppers.x.socket" in problem
 
 
-def test_functions_without_a_pin_have_the_boards_own() -> None:
+def test_functions_without_a_pin_use_the_boards_default() -> None:
     text = MELZI
     for line in ('pin = "HE0"\n', 'sensor_pin = "HE0_TEMP"\n', 'pin = "BED"\n', 'pin = "FAN"\n'):
         assert line in text

@@ -24,7 +24,7 @@ WORKED = [
 
 
 @pytest.mark.parametrize(("raw", "ohm", "celsius"), WORKED)
-def test_the_worked_table(raw, ohm, celsius):
+def test_thermistor_table_equals_the_worked_example(raw, ohm, celsius):
     divider = Divider(4700.0)
     found = divider.ohm((raw + 0.5) / 1024)
     assert found == pytest.approx(ohm, rel=2e-5)
@@ -42,12 +42,12 @@ def test_the_worked_table(raw, ohm, celsius):
         (10_000, 3480, 200, 15931),
     ],
 )  # fmt: skip
-def test_codes_of_an_oversampled_adc(r25, beta_k, celsius, code):
+def test_oversampled_adc_codes_are_scaled(r25, beta_k, celsius, code):
     share = Divider(4700.0).share(Ntc(r25, beta_k).ohm(celsius))
     assert 16383 - int(0.5 + 16383 * share) == code
 
 
-def test_resistance_at_infinite_temperature():
+def test_beta_formula_by_resistance_at_infinity():
     assert 100_000 * exp(-3960 / 298.15) == pytest.approx(0.170507, abs=1e-6)
     assert Ntc(100_000, 3960).celsius(0.170507 * exp(3960 / 500.0)) == pytest.approx(
         500 - 273.15, abs=1e-3
@@ -74,7 +74,7 @@ def test_resistance_and_temperature_are_inverse(celsius, r25, beta_k, c, low, hi
     assert divider.ohm(divider.share(ohm)) == pytest.approx(ohm, rel=1e-6)
 
 
-def test_offsets_move_the_ends():
+def test_table_ends_move_with_the_offset():
     divider = Divider(4700.0, offset_low=2.0, offset_high=-3.0)
     # R = 4700 · (511.5 - 4 + 0.5) / (1024 - 6 - 511.5 - 0.5)
     assert divider.ohm(512 / 1024) == pytest.approx(4700 * 508 / 506)
@@ -83,6 +83,6 @@ def test_offsets_move_the_ends():
             divider.ohm(share)
 
 
-def test_a_resistance_below_any_temperature():
+def test_impossible_resistance_has_no_temperature():
     with pytest.raises(ValueError, match="beyond any temperature"):
         Ntc(100_000.0, 3950.0).celsius(0.1)

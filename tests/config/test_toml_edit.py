@@ -38,7 +38,9 @@ offset_mm = [
         (("tools", 1, "offset_mm"), "", "", ""),
     ],
 )
-def test_one_value_changes(path: tuple[str | int, ...], value: str, old: str, new: str) -> None:
+def test_edit_changes_only_one_value(
+    path: tuple[str | int, ...], value: str, old: str, new: str
+) -> None:
     if not value:
         with pytest.raises(ValueError, match=r"in place|array"):
             with_value(_TEXT, path, "1")

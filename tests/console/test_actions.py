@@ -33,7 +33,7 @@ def actions(host: Host) -> list[str]:
         ("M0 Stop", "Stop", None),
     ],
 )
-def test_only_words_before_the_text_of_m0_count(s, line, text, seconds):
+def test_m0_reads_parameters_only_before_its_text(s, line, text, seconds):
     start = s.loop.time()
     s.host.send(line)
     s.host.expect("busy: paused for user", 1)
@@ -69,7 +69,7 @@ def test_heater_wait_reports_temperature_every_second(s, wait):
     assert not [x for x in beside.heard if "T:" in x]
 
 
-def test_temperatures_that_come_anyway_are_not_doubled(s):
+def test_automatic_temperature_reports_are_not_doubled(s):
     s.host.ok("M155 S2")
     s.host.send("M109 S60")
     s.passes(5)

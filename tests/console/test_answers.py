@@ -80,7 +80,7 @@ def test_answer_to_a_paused_file_ends_no_other_wait(tmp_path):
         s.host.expect("^Done printing file$", 20)
 
 
-def test_a_wait_that_a_pause_has_put_off_asks_again(tmp_path):
+def test_question_interrupted_by_a_pause_is_asked_again(tmp_path):
     text = "G92 X20 Y20 Z20\nG1 X60 F1200\nM0 Look\nG1 X70\n"
     with Scenario("i3", card=card(tmp_path, text)) as s:
         s.host.ok("M32 a.g")

@@ -56,7 +56,7 @@ def at_random(s, chance):
 
 
 @pytest.mark.parametrize("seed", range(25))
-def test_nothing_that_consoles_do_blocks_the_printer(seed):
+def test_random_console_actions_never_block_the_printer(seed):
     with Scenario("i3") as s:
         hosts = at_random(s, random.Random(seed))
         for _ in range(300):  # waits end, one after another

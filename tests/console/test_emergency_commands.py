@@ -74,7 +74,7 @@ def test_m112_acts_after_many_lines_of_its_console(s, numbers):
     s.host.expect("^X:7.000 ")
 
 
-def test_m112_acts_out_of_its_order(s):
+def test_m112_acts_before_earlier_numbered_lines(s):
     """The line before it was lost, and a host that pipes does not hear that it is asked for it."""
     lines = list(numbered(["M110", *["G1 X80 F600"] * 3, "M112"], 0))
     s.host.send(*lines[:2], *lines[3:])
@@ -83,7 +83,7 @@ def test_m112_acts_out_of_its_order(s):
     assert s.host.heard.count("Resend: 2") == 2
 
 
-def test_m112_out_of_its_order_is_text_of_a_file_that_is_sent(tmp_path):
+def test_early_m112_in_an_uploaded_file_is_text(tmp_path):
     with Scenario("i3", card=str(tmp_path)) as s:
         lines = list(numbered(["M110", "M28 a.g", "G1 X1", "M112", "M29"], 0))
         s.host.send(*lines[:2], lines[3])

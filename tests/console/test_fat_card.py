@@ -84,7 +84,7 @@ def test_a_full_card_keeps_its_files_and_reports_it(image):
     assert clean(image)
 
 
-def test_a_file_is_not_a_card(tmp_path):
+def test_regular_file_is_not_accepted_as_a_card(tmp_path):
     (tmp_path / "not.img").write_bytes(b"no file system" * 1000)
     with pytest.raises(CardError, match="FAT32"), Scenario("i3", card=str(tmp_path / "not.img")):
         pass

@@ -15,7 +15,7 @@ from passo.console.transports.streams import open_tcp
 from passo.library.assembly import assembled
 
 
-def test_flood_is_read_in_pieces(monkeypatch):
+def test_flood_of_input_is_read_in_portions(monkeypatch):
     sizes = []
     monkeypatch.setattr(Session, "receive", lambda _, data: sizes.append(len(data)))
 
@@ -38,7 +38,7 @@ def test_flood_is_read_in_pieces(monkeypatch):
     assert max(sizes) <= 4096
 
 
-def test_lines_that_take_long_let_others_have_their_turn():
+def test_slow_lines_do_not_block_other_consoles():
     with Scenario("i3") as s:
         flooding = Host(s)
 

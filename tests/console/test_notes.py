@@ -55,7 +55,7 @@ def test_a_frequency_sets_no_speed_of_a_fan(s):
     assert s.board.output_value("part") == 1_600_000  # of a cycle of 0.1 s
 
 
-def test_note_is_not_a_failure(s):
+def test_note_does_not_fail_a_command(s):
     s.host.ok("M932")
     s.host.ok("M907 X500")
     assert s.host.ok("M105")[0].startswith("ok T:")
@@ -173,7 +173,7 @@ def test_value_out_of_range_is_answered_with_applied_value(s, line):
         "M145 S0 H270",
     ],
 )
-def test_a_value_at_the_end_of_its_range_needs_no_words(s, line):
+def test_value_at_its_limit_causes_no_note(s, line):
     assert s.host.ok(line) == ["ok"]
 
 

@@ -19,7 +19,7 @@ def s():
         yield scenario
 
 
-def test_options_are_reported(s):
+def test_aprinter_options_are_reported(s):
     for name, value in {
         "XStepsPerUnit": "80",
         "ZMaxSpeed": "12",
@@ -115,7 +115,7 @@ def test_a_platinum_sensor_and_currents_of_drivers_are_reported():
 
 
 @pytest.mark.parametrize("machine", ["dual-extruder", "delta", "scara", "drivers"])
-def test_whatever_can_be_set_is_set_and_outlives_a_halt(machine):
+def test_every_option_is_set_and_survives_a_halt(machine):
     with Scenario(drivers_machine() if machine == "drivers" else machine) as s:
         settable = [o for o in options(s.printer) if o.command]
         wanted = {o.name: 0.9 * o.value() or 0.5 for o in settable}

@@ -229,7 +229,7 @@ def test_blank_lines_and_comments_are_not_lines(protocol):
     assert fed(protocol, "", "  ", "; a comment", "\t;") == []
 
 
-def test_arbitrary_bytes_do_no_harm(protocol):
+def test_line_protocol_survives_arbitrary_bytes(protocol):
     found = protocol.feed(b"\x00G1 X\x001\xff\xfe\n" + bytes(range(14, 127)) + b"\nM105\n")
     assert found[-1] == Line("M105")
     assert found[0] == Line("G1 X1\udcff\udcfe")

@@ -22,7 +22,7 @@ def at_once(s, *texts):
     s.run(receive())
 
 
-def test_the_lines_after_it_find_the_printer_ready(s):
+def test_lines_after_m999_find_the_printer_ready(s):
     s.host.ok("M112")
     s.passes(1)
     s.host.send("M999", "G28", "M104 S50", "G1 X5 F6000", "M400")
@@ -33,7 +33,7 @@ def test_the_lines_after_it_find_the_printer_ready(s):
     assert s.positions()["x"] == 5
 
 
-def test_directly_after_the_emergency_stop(s):
+def test_m999_directly_after_emergency_stop_restarts(s):
     s.host.send("M112", "M999", "G92 X0 Y0 Z0", "G1 X5 F6000", "M400")
     for _ in range(5):
         s.host.expect("^ok", 10)
@@ -43,7 +43,7 @@ def test_directly_after_the_emergency_stop(s):
     assert s.host.ok("M114")[0].startswith("X:5.00")
 
 
-def test_an_emergency_stop_meanwhile_acts(s):
+def test_emergency_stop_during_restart_halts(s):
     other = Host(s)
     at_once(s, (s.host, b"M112\nM999\n"), (other, b"M112\n"))
     s.host.expect("Printer stopped: emergency stop by M112")
@@ -57,7 +57,7 @@ def test_an_emergency_stop_meanwhile_acts(s):
     assert not s.printer.state.halted
 
 
-def test_an_emergency_stop_behind_it_in_the_same_moment_holds(s):
+def test_emergency_stop_sent_right_after_m999_halts(s):
     s.host.ok("M112")
     s.passes(1)
     s.host.send("M999", "M112", "G28")
@@ -80,7 +80,7 @@ def test_a_stopped_board_reports_nothing_more(s, question):
     assert s.host.ok("M114")[0].startswith("X:0.000 Y:0.000 Z:0.000 E:0.0000 Count")
 
 
-def test_without_a_halt_it_does_nothing(s):
+def test_m999_without_a_halt_does_nothing(s):
     assert s.host.ok("M999") == ["ok"]
 
 
@@ -122,7 +122,7 @@ def test_restart_ends_if_board_is_unreachable(s, monkeypatch):
     assert not s.printer.state.halted
 
 
-def test_a_fault_of_the_program_in_it_halts_again(s, monkeypatch):
+def test_internal_error_during_restart_halts_again(s, monkeypatch):
     s.host.ok("M104 S50")
     s.host.ok("M112")
     s.passes(1)
@@ -178,7 +178,7 @@ def test_m999_sent_before_failure_is_refused(s):
     assert not s.printer.state.halted
 
 
-def test_an_emergency_stop_of_another_host_holds():
+def test_emergency_stop_of_another_host_stays_in_force():
     with Scenario("i3") as s:
         other = Host(s)
         s.host.send("M109 S200", "M999", "M104 S180 F")

@@ -31,7 +31,7 @@ def test_step_rate_stays_within_motor_limit():
         assert s.loop.time() - before_s > 100 / 125
 
 
-def test_speeds_as_high_as_a_scale_allows_come_back_with_it():
+def test_speed_limits_return_with_the_old_scale():
     with Scenario(machine(*SLOW)) as s:
         for line, speed in (
             ("M92 X200", "125"),

@@ -81,7 +81,7 @@ LINES = [
 
 
 @pytest.mark.parametrize("line", LINES)
-def test_every_line_has_one_ok(ready, line):
+def test_each_line_is_answered_by_one_ok(ready, line):
     start = len(ready.host.heard)
     ready.host.send_bytes(line.encode("latin-1") + b"\n")
     ready.passes(3)
@@ -89,7 +89,7 @@ def test_every_line_has_one_ok(ready, line):
     assert ready.host.ok("M110 N0") == ["ok"]
 
 
-def test_blank_lines_and_comments_have_none(s):
+def test_blank_lines_and_comments_are_not_answered(s):
     start = len(s.host.heard)
     s.host.send("", "   ", "; nothing")
     s.passes(0.5)
@@ -133,13 +133,13 @@ def test_a_character_that_is_not_g_code_is_named(ready, line, answer):
     assert ready.positions()["x"] == 20.0
 
 
-def test_a_print_pauses_where_a_character_hides_a_move(ready):
+def test_print_pauses_at_a_character_that_hides_a_move(ready):
     ready.host.ok("N0 M110 N0*125")
     assert ready.host.ok(numbered(1, "\xa0G1 X5"))[1] == "// action:pause"
     assert ready.host.ok(numbered(2, "G1 X5,5"))[1] == "// action:pause"
 
 
-def test_a_file_that_is_piped_in_may_have_a_mark_and_ctrl_z(s):
+def test_piped_file_may_have_byte_order_mark_and_ctrl_z(s):
     s.host.send_bytes(b"\xef\xbb\xbfG92 X20\r\nM118 there\r\n\x1a\r\n")
     s.host.expect("^there$")
     assert s.host.ok("M114")[0].startswith("X:20.000")
@@ -153,7 +153,7 @@ def test_a_file_that_is_piped_in_may_have_a_mark_and_ctrl_z(s):
         *("M113 S", "M155 S", "M154 S", "M540 S", "M17 R"),
     ],
 )
-def test_a_letter_alone_changes_nothing(s, line):
+def test_letter_without_a_number_changes_nothing(s, line):
     before = s.host.ok("M503")
     answer = s.host.ok(line)
     assert not any("no valid number" in text for text in answer)
@@ -174,7 +174,7 @@ WORDS = st.one_of(
 
 @settings(max_examples=40)
 @given(st.lists(WORDS, max_size=12))
-def test_no_line_breaks_a_console(lines):
+def test_no_line_crashes_a_console(lines):
     with Scenario("i3") as s:
         s.host.ok("M110 N0")
         for line in lines:
@@ -192,7 +192,7 @@ def test_no_line_breaks_a_console(lines):
         assert all(x.isprintable() or "\xa0" in x or "\xad" in x for x in s.host.heard)
 
 
-def test_resends_are_asked_for(s):
+def test_damaged_lines_are_requested_again(s):
     s.host.ok("N0 M110 N0*125")
     assert s.host.ok("N1 M115*38") == [
         "Error:checksum mismatch, Last Line: 0",
@@ -220,7 +220,7 @@ def test_a_long_outline_is_carried_out_and_counted(s):
     assert s.host.ok(numbered(3, "M114"))[0].startswith("X:20.000")
 
 
-def test_a_line_beyond_all_limits_is_answered_once(s):
+def test_too_long_line_is_answered_once(s):
     """It is left out; a print pauses where it is a move."""
     left_out = "is longer than 65536 characters and is left out. Send shorter lines"
     s.host.ok("N0 M110 N0*125")
@@ -242,7 +242,7 @@ def test_line_numbers_of_more_than_thirty_bits(s):
     assert s.host.ok(numbered(100000000001, "M31"))[-1] == "ok"
 
 
-def test_a_label_with_a_star_is_a_label(s):
+def test_star_in_an_object_label_is_not_a_checksum(s):
     for line in ("M486 S0 Aspanner 13*10.stl", "M486 S0 Aspanner 13*10"):
         assert not any("checksum" in heard for heard in s.host.ok(line))
     assert s.host.ok("M117 3*4") == ["// action:notification 3*4", "ok"]
@@ -346,7 +346,7 @@ def test_every_capability_is_true(tmp_path):
             assert show(), name
 
 
-def test_a_printer_without_a_card_does_not_promise_one(s):
+def test_capabilities_without_a_card_do_not_name_it(s):
     assert capabilities(s.host) == {
         "AUTOREPORT_TEMP",
         "AUTOREPORT_POS",
@@ -406,7 +406,7 @@ def test_a_strict_console_refuses_all_after_a_failure(ready):
 # -- order ----------------------------------------------------------------------------------------
 
 
-def test_lines_in_hand_are_carried_out_in_order(ready):
+def test_received_lines_run_in_order(ready):
     start = len(ready.host.heard)
     ready.host.send("G4 S1", "M400", *(f"M118 {i}" for i in range(40)), "M105", "M118 end")
     ready.host.expect("^end$", 3)
@@ -541,7 +541,7 @@ GOING = {
 
 
 @pytest.mark.parametrize("what", GOING)
-def test_a_console_that_goes_leaves_the_printer_to_the_others(ready, what):
+def test_closed_console_does_not_block_others(ready, what):
     other = Host(ready)
     other.send_bytes(GOING[what].encode() + b"\n" * (what != "in mid-line"))
     ready.passes(0.5)
@@ -562,7 +562,7 @@ def test_a_console_that_goes_leaves_the_printer_to_the_others(ready, what):
     assert len(other.heard) == heard
 
 
-def test_a_console_that_goes_while_it_waits_for_its_turn(ready):
+def test_console_closed_while_waiting_for_motion_lock(ready):
     other = Host(ready)
     ready.host.send("G1 X60 F1200", "M400")
     other.send("G1 X100", "G1 X150")
@@ -595,7 +595,7 @@ def test_lines_of_a_file_are_not_commands_ahead_of_the_queue(tmp_path):
 
 
 @pytest.mark.parametrize("command", ["G28", "M109 S250", "G1 X100 F600\nM400", "M303 E0 S200"])
-def test_m999_right_after_m112_leaves_no_wait(ready, command):
+def test_m999_right_after_m112_ends_all_waits(ready, command):
     other = Host(ready)
     other.send(*command.split("\n"))
     ready.passes(0.5)

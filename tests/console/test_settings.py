@@ -40,7 +40,7 @@ def s(tmp_path):
         yield scenario
 
 
-def test_the_report_names_what_holds(s):
+def test_m503_reports_values_in_force(s):
     lines = s.host.ok("M503")
     assert "; Steps per unit" in lines
     assert "M92 X80 Y80 Z400 E95.5" in lines
@@ -84,7 +84,7 @@ def test_idle_times_and_the_stop_at_endstops_are_settings(tmp_path):
         assert s.host.ok("M540")[0] == "M540 S0"
 
 
-def test_factors_of_the_moment_are_not_settings(tmp_path):
+def test_speed_and_flow_factors_are_not_settings(tmp_path):
     """M220 and M221 belong to one print: they are neither reported nor stored."""
     with Scenario("i3", state=str(tmp_path)) as s:
         before = report(s)
@@ -312,7 +312,7 @@ def with_rows(text, rows):
         (lambda text: "[" * 100_000, "torn"),
     ],
 )
-def test_a_file_that_is_not_whole_is_refused_with_its_reason(tmp_path, damage, reason):
+def test_damaged_settings_file_is_refused_with_reason(tmp_path, damage, reason):
     with Scenario("i3", state=str(tmp_path)) as s:
         defaults = report(s)
         s.host.ok("M203 X120")
@@ -324,7 +324,7 @@ def test_a_file_that_is_not_whole_is_refused_with_its_reason(tmp_path, damage, r
         assert report(s) == defaults
 
 
-def test_without_a_place_nothing_is_acknowledged_as_stored(tmp_path):
+def test_m500_without_state_folder_fails(tmp_path):
     with Scenario("i3") as s:
         assert "there is no place to store settings" in s.host.ok("M500")[0]
     (tmp_path / "file").write_text("")
@@ -388,7 +388,7 @@ def test_the_flow_is_reported(s):
     assert s.host.ok("M221")[0] == "echo:E0 Flow: 95%"
 
 
-def test_motors_go_off_by_axis_and_forget_where_they_are(s):
+def test_motors_switched_off_are_not_homed(s):
     s.host.ok("G28", 60)
     on = {x: s.board.output_value(f"{x}-enable") for x in "xyze"}
     assert on == {"x": 0, "y": 0, "z": 0, "e": 0}  # low switches an A4988 on
@@ -497,7 +497,7 @@ def of_both_extruders(s):
     ]
 
 
-def test_every_extruder_keeps_its_own(tmp_path):
+def test_each_extruder_keeps_its_settings(tmp_path):
     with Scenario("dual-extruder", state=str(tmp_path)) as s:
         for line in ("T1", "M92 E200", "M203 E11", "M201 E700"):
             assert s.host.ok(line) == ["ok"], line

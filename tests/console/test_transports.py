@@ -126,7 +126,7 @@ def served(test):
 
 
 @served
-async def test_a_pty_survives_hosts_that_come_and_go(s, tmp_path):
+async def test_pty_accepts_hosts_one_after_another(s, tmp_path):
     path = tmp_path / "port"
     await s.pty(path)
     cut = False
@@ -173,7 +173,7 @@ async def test_a_host_that_hangs_up_in_mid_upload_ends_it(s, tmp_path):
 
 
 @served
-async def test_the_link_of_a_pty_goes_with_it(s, tmp_path):
+async def test_link_of_a_pty_is_removed_with_it(s, tmp_path):
     path = tmp_path / "port"
     console = await s.pty(path)
     assert path.is_symlink()
@@ -193,7 +193,7 @@ async def test_a_pty_replaces_a_stale_link(s, tmp_path):
 
 
 @served
-async def test_a_pty_leaves_a_file_alone(s, tmp_path):
+async def test_pty_does_not_replace_a_regular_file(s, tmp_path):
     path = tmp_path / "port"
     path.write_text("mine")
     with pytest.raises(ConsoleError, match=r"the pty .*port cannot be opened: File exists"):
@@ -290,7 +290,7 @@ def test_unplugged_serial_device_is_reopened(tmp_path, monkeypatch):
 
 
 @served
-async def test_a_client_that_only_reads_on_has_its_lines_done(s):
+async def test_lines_of_a_half_closed_client_are_executed(s):
     """As with `printf … | nc -N`."""
     console = await s.tcp(clients=1)
     lines = [b"G92 X0 Y0 Z0\n", b"G1 X1 F6000\n", b"M400\n", b"M114\n"]
@@ -390,7 +390,7 @@ async def test_200_clients(s):
 
 
 @served
-async def test_a_client_cut_in_mid_line_leaves_the_rest_undone(s):
+async def test_partial_line_of_a_lost_client_is_dropped(s):
     console = await s.tcp()
     first, second = await at_tcp(console), await at_tcp(console)
     first.write(b"G92 X20\nM118 here\nG92 X3")

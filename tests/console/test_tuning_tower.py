@@ -30,7 +30,7 @@ def test_value_grows_with_height():
     assert values("START=0.1 FACTOR=.005", [0.2, 10.0]) == [0.101, 0.15]
 
 
-def test_value_of_a_band_is_that_of_its_middle():
+def test_tower_band_has_the_value_of_its_middle():
     assert values("FACTOR=0.02 BAND=1", [0.2, 0.8, 1.0, 1.8]) == [0.01, 0.01, 0.03, 0.03]
 
 

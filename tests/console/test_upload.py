@@ -26,7 +26,7 @@ def bare():
         yield scenario
 
 
-def test_a_good_wrapper_writes_the_lines_between(s, tmp_path):
+def test_upload_wrapper_writes_the_lines_between(s, tmp_path):
     s.host.ok("M932")
     assert s.host.ok("M28 Fold.g") == ["Writing to file: old.g", "ok"]
     for line in ("G1 X2", "M105", "M999", "G28"):
@@ -39,7 +39,7 @@ def test_a_good_wrapper_writes_the_lines_between(s, tmp_path):
     assert s.positions()["x"] == 20.0
 
 
-def test_a_wrapper_that_cannot_begin_ends_as_a_good_one_does(s, tmp_path):
+def test_failed_upload_wrapper_consumes_its_lines(s, tmp_path):
     session = s.host.session
     s.host.ok("M932")
     assert s.host.ok("M28 Fno/such.g")[0].startswith("Error:/no: is not on the card")
@@ -114,7 +114,7 @@ def test_m932_and_m933_are_not_logged_and_act(s, tmp_path):
     assert (tmp_path / "log.g").read_text() == "G90\n"
 
 
-def test_a_file_of_a_strict_console_that_lacks_a_line_is_none(s, tmp_path):
+def test_upload_with_a_missing_line_is_dropped(s, tmp_path):
     lines = numbered((0, "M110 N0"), (1, "G1 X7"), (2, "G1 X8"))
     s.host.ok("M932")
     s.host.ok("M28 old.g")

@@ -45,7 +45,7 @@ def test_m108_ends_a_wait_that_has_no_room_yet(s, own, feed, waits):
     assert s.positions()["x"] == 100.0  # the moves went on
 
 
-def test_m108_ends_the_first_wait_of_such_a_line_alone(s):
+def test_m108_ends_only_the_first_wait_of_a_line(s):
     s.host.ok("G1 X100 F600")
     start = len(s.host.heard)
     s.host.send("M109 S200 M0")
@@ -102,7 +102,7 @@ def test_a_host_that_leaves_ends_all_waits_of_its_line(s, line):
         ["M0", "G1 X30", "M600", "M602", "M108"],
     ],
 )
-def test_an_answer_in_hand_ends_the_wait_before_it(s, lines, ends):
+def test_answer_already_received_ends_the_wait_before_it(s, lines, ends):
     done = []
     s.host.send(*lines, "M118 next")
     if ends:
@@ -115,14 +115,14 @@ def test_an_answer_in_hand_ends_the_wait_before_it(s, lines, ends):
     assert s.loop.time() - start >= (2.0 if "G4 S2" in lines else 0.0)  # no dwell is cut short
 
 
-def test_an_answer_in_hand_ends_one_wait_alone(s):
+def test_answer_already_received_ends_only_one_wait(s):
     s.host.send("M0", "M0", "M108", "M118 next")
     s.host.silent(60, "next")
     s.host.send("M108")
     s.host.expect("^next$", 1)
 
 
-def test_an_answer_that_has_acted_ends_no_later_wait(s):
+def test_used_answer_ends_no_later_wait(s):
     s.host.send("M109 S200")
     s.passes(1)
     s.host.send("M0", "M108", "M118 next")  # M108 ends the wait that goes on
@@ -178,7 +178,7 @@ FAULT = "a fault of the program, ZeroDivisionError: by the test"
         ("G28", "finish"),
     ],
 )
-def test_a_fault_of_the_program_halts_and_costs_no_ok(s, monkeypatch, line, place):
+def test_internal_error_halts_and_line_still_gets_ok(s, monkeypatch, line, place):
     s.host.ok("M140 S60")
     s.passes(1)
     with monkeypatch.context() as patch:
@@ -197,7 +197,7 @@ def test_a_fault_of_the_program_halts_and_costs_no_ok(s, monkeypatch, line, plac
 
 @pytest.mark.parametrize("again", [False, True], ids=["once", "in each pass"])
 @pytest.mark.parametrize("line", ["G1 X60 F6000", "G28", "M109 S50", "M118 nothing"])
-def test_a_fault_as_time_passes_halts(s, line, again):
+def test_internal_error_in_a_timer_halts(s, line, again):
     faulty = [True]
 
     def watch():
@@ -222,7 +222,7 @@ def test_a_fault_as_time_passes_halts(s, line, again):
     assert s.host.ok("G28", 60)[-1] == "ok"
 
 
-def test_a_fault_in_what_is_waited_for_halts(s, monkeypatch):
+def test_internal_error_in_a_wait_halts(s, monkeypatch):
     s.host.send("M109 S200")
     s.passes(1)
     s.host._read = len(s.host.heard)
@@ -237,7 +237,7 @@ def test_a_fault_in_what_is_waited_for_halts(s, monkeypatch):
     assert not s.printer.state.halted
 
 
-def test_a_fault_after_a_full_plan_releases_the_motion_lock(s, monkeypatch):
+def test_error_while_plan_is_full_releases_motion_lock(s, monkeypatch):
     s.host.ok("G1 X100 F600")
     s.host.send("G1 X120", "M118 after")
     monkeypatch.setattr(s.printer.dispatch, "take_line", broken)
@@ -248,7 +248,7 @@ def test_a_fault_after_a_full_plan_releases_the_motion_lock(s, monkeypatch):
 
 
 @pytest.mark.parametrize("line", ["M500 G1 X60 F6000", "G4 P1 M500 G1 X60", "M400 M500 G1 X60"])
-def test_a_command_that_fails_in_mid_line_ends_its_line_alone(s, monkeypatch, line):
+def test_failed_command_ends_only_its_line(s, monkeypatch, line):
     def fails(*_):
         raise CardError.of("card.absent", value="by the test")
 
@@ -296,7 +296,7 @@ def test_reports_come_ten_times_a_second_at_most(s, command, shown):
 ARC = "G3 X100 Y100 I1 J0 P11000 F60000"  # more than a job has messages for at once
 
 
-def test_a_line_that_no_plan_holds_is_done_to_its_end():
+def test_line_longer_than_the_plan_is_completed():
     with Scenario("i3") as s:
         s.host.ok("G92 X100 Y100 Z5")
         s.host.send(ARC, "M104 S100", "M118 after")
@@ -313,7 +313,7 @@ def test_a_line_that_no_plan_holds_is_done_to_its_end():
 
 
 @pytest.mark.parametrize("closes", [False, True])
-def test_a_line_that_no_plan_holds_can_be_stopped(closes):
+def test_line_longer_than_the_plan_can_be_stopped(closes):
     with Scenario("i3") as s:
         other = Host(s)
         s.host.ok("G92 X100 Y100 Z5")

@@ -69,7 +69,7 @@ def test_mass_vibrates_freely_by_its_formula():
 
 
 @pytest.mark.parametrize("bad", [0.0, inf, nan])
-def test_numbers_that_belong_to_no_mass_or_nozzle_are_refused(bad):
+def test_impossible_mass_and_nozzle_are_refused(bad):
     with pytest.raises(ValueError, match="damping ratio above 0"):
         _core.BeltMass(50.0, bad)
     with pytest.raises(ValueError, match="the frequency of a mass must be"):

@@ -102,7 +102,7 @@ def test_arctangent_of_the_axes_and_diagonals(y, x, angle):
     assert atan2(y, x) == angle
 
 
-def test_sine_of_zero_is_zero_and_signs_go_along():
+def test_sine_of_zero_keeps_the_sign():
     assert sincos(0.0) == (0.0, 1.0)
     for x in (0.1, 1.0, 2.0, 4.0, 6.0):
         s, c = sincos(x)

@@ -74,7 +74,7 @@ M_CODES = """
 """
 
 
-def test_every_command_of_both_is_built_or_not_for_a_reason():
+def test_each_foreign_command_is_built_or_has_a_reason():
     named: set[str] = set()
     for cells in rows("Commands that are not built"):
         assert cells[1]
@@ -94,7 +94,7 @@ def spread(text: str) -> str:
     return re.sub(r"M(\d+) to M(\d+)", full, text)
 
 
-def test_a_note_is_answered_where_one_is_promised():
+def test_commands_answer_the_notes_in_the_reference():
     for cells in rows("Commands that are not built"):
         for code in re.findall(r"[GM]\d+\b(?! [A-Z])", spread(cells[0])):
             if cells[2] == "unknown":

@@ -23,7 +23,7 @@ ROWS = [
 
 
 @pytest.mark.parametrize("row", ROWS, ids=[f"{row[1]} {row[0]}" for row in ROWS])
-def test_each_row_happens(row):
+def test_each_documented_fault_occurs_as_described(row):
     begin, fault, does, sees, _ = row
     line, seconds = re.fullmatch(r"`(.+)` (\d+) s", begin).groups()
     part, value = fault.strip("`").split("=")

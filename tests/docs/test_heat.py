@@ -22,7 +22,7 @@ def rows(heading: str) -> list[list[str]]:
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
 
 
-def test_the_rules_of_tunes():
+def test_documented_tuning_rules_are_right():
     number = re.compile(r"[\d.]+")
     for row, rule in zip(rows("R | rule | Kp | Ki | Kd"), RULES, strict=True):
         assert row[:2] == [str(RULES.index(rule)), rule.name]
@@ -31,7 +31,7 @@ def test_the_rules_of_tunes():
         assert [number.sub("", cell).strip() for cell in row[2:]] == ["Ku", "Ku/Tu", "Ku·Tu"]
 
 
-def test_the_defaults_of_protections():
+def test_documented_protection_defaults_are_right():
     heaters = config.load("i3").heaters
     limits = limits_of(heaters["hotend"])
     told = " ".join(row[2] for row in rows("fault | when | default"))
@@ -44,7 +44,7 @@ def test_the_defaults_of_protections():
     assert f"{limits_of(heaters['bed']).watch_s:g} s for a bed" in told
 
 
-def test_the_sensors_and_what_converters_have_unless_given():
+def test_documented_sensors_and_defaults_are_right():
     table = {row[0]: row[2] for row in rows("kind | what it is | further keys")}
     assert {kind for kinds in table for kind in re.findall(r"`([\w-]+)`", kinds)} >= set(CONVERTERS)
     for model, kind in ((UniversalConverter, "max31856"), (PlatinumConverter, "max31865")):

@@ -106,7 +106,7 @@ def test_words_belong_to_commands_as_in_the_reference(tmp_path, text, x_mm, leas
     assert moves[-1].end_s >= least_s
 
 
-def test_links_lead_somewhere():
+def test_links_of_documents_exist():
     links = [
         (page, target, anchor)
         for page in PAGES

@@ -25,7 +25,7 @@ TYPES = {
 
 @pytest.mark.parametrize("high", [False, True])
 @pytest.mark.parametrize("kind", TYPES)
-def test_each_type_is_asked_in_its_way(kind, high):
+def test_each_converter_type_is_read_by_its_protocol(kind, high):
     transfers, size = TYPES[kind]
     board = RawBoard()
     for line in (
@@ -60,7 +60,7 @@ def test_each_type_is_asked_in_its_way(kind, high):
     assert levels("mosi") == [int(b) for a, b in pairwise(bits) if a != b]
 
 
-def test_an_unknown_type_shuts_the_board_down():
+def test_unknown_converter_type_shuts_board_down():
     board = RawBoard()
     board.tell("allocate_oids count=2")
     board.tell("config_spi oid=0 pin=PB4 cs_active_high=0")

@@ -472,7 +472,7 @@ def test_hidden_overrun_does_not_stop_mk20_uart(board: str) -> None:
 
 
 @pytest.mark.parametrize("board", ["teensy3-mk20dx128", "teensy3-mk20dx256"])
-def test_an_mk20_is_left_open(board: str) -> None:
+def test_mk20_flash_stays_unlocked(board: str) -> None:
     assert image(board)[0x400:0x410] == bytes.fromhex("ff" * 12 + "fef9ffff")
 
 
@@ -597,7 +597,7 @@ def test_either_output_of_a_pulsed_channel_has_it_alone() -> None:
     assert states == [0, 0, 1]  # PC20 and PC21 are the two outputs of channel 4
 
 
-def test_without_a_compiler(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_missing_compiler_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(arm, "compiler", lambda: None)
     with pytest.raises(Exception, match="arm-none-eabi-gcc") as caught:
         build(board_target("radds"), tmp_path)

@@ -13,7 +13,7 @@ def case(request: pytest.FixtureRequest) -> Case:
     return request.param
 
 
-def test_a_pull_up_is_there_if_asked_for(case: Case) -> None:
+def test_pull_up_is_on_if_requested(case: Case) -> None:
     name, pin = case.output
     for asked in (1, 0):
         host = case.host()
@@ -21,7 +21,7 @@ def test_a_pull_up_is_there_if_asked_for(case: Case) -> None:
         assert host.chip.pull(pin) == asked
 
 
-def test_nothing_pulls_outputs_and_sensors(case: Case) -> None:
+def test_outputs_and_sensors_have_no_pull_up(case: Case) -> None:
     host = configured(case)
     sensor = host.dictionary.enumerations["pin"][case.sensor[0]]
     for pin in (case.step[1], case.direction[1], case.output[1], sensor):
@@ -69,7 +69,7 @@ def test_the_converter_measures_with_its_whole_reference(case: Case) -> None:
     assert {address: chip.registers.get(address, 0) for address in expected} == expected
 
 
-def test_a_report_goes_to_full_scale(case: Case) -> None:
+def test_adc_report_reaches_full_scale(case: Case) -> None:
     host = finalized(case)
     host.chip.analog[case.sensor[1]] = 4095
     at, ms = host.chip.clock + case.hz // 100, case.hz // 1000

@@ -41,7 +41,7 @@ def test_firmware_declares_all_commands_of_the_model():
     assert {text for _, text in _core.board_reports()} - reports == set()
 
 
-def test_messages_that_hosts_send_often_take_one_byte():
+def test_frequent_messages_have_one_byte_ids():
     assert all(0 <= number < 96 for number, _ in RawBoard().dictionary.commands)
 
 
@@ -85,13 +85,13 @@ def test_declarations_are_read_over_lines(tmp_path):
         ('DECL_REPORT("x", 1);', "as many arguments"),
     ],
 )
-def test_declarations_that_cannot_be_are_named(tmp_path, text, complaint):
+def test_invalid_declarations_are_named(tmp_path, text, complaint):
     with pytest.raises(DeclarationError, match=f"part.c: DECL_.*{complaint}"):
         declared(tmp_path, text)
 
 
 @pytest.mark.parametrize("text", ["x a=%q", "x %c", "x a=%*s b=%*s"])
-def test_formats_that_cannot_be_are_named(tmp_path, text):
+def test_invalid_formats_are_named(tmp_path, text):
     found = declared(tmp_path, f'DECL_REPORT("identify_response");\nDECL_COMMAND(a, "{text}", 0);')
     with pytest.raises(DeclarationError, match="'x "):
         write_tables(found, dictionary(found, version="1"), tmp_path)

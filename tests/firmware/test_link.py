@@ -118,7 +118,7 @@ def board_id(board: RawBoard, name: str) -> int:
 
 
 @given(st.lists(st.binary(max_size=80), max_size=8))
-def test_bytes_outside_frames_get_one_answer_a_stretch(chunks):
+def test_consecutive_bad_bytes_get_one_answer(chunks):
     board = RawBoard()
     data = b"".join(chunk.replace(b"\x7e", b"").replace(b"\x10", b"") for chunk in chunks)
     board.device.feed(data, board.now)
@@ -152,7 +152,7 @@ def test_statistics_come_every_five_seconds():
         assert (values["sum"], values["sumsq"]) == (0, 0)  # work takes no virtual time
 
 
-def test_a_frame_without_the_mark_beside_its_number_is_none():
+def test_frame_without_0x10_in_sequence_is_refused():
     board = RawBoard()
     ping = wire.vlq(board_id(board, "debug_ping")) + b"\x01a"
     body = bytes([len(ping) + 5, 0x20]) + ping

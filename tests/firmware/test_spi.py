@@ -56,7 +56,7 @@ def test_a_transfer_clocks_each_bit_and_selects_the_device(mode, active_high, da
 
 
 @pytest.mark.parametrize("line", ["emergency_stop", "reset"])
-def test_the_last_message_is_sent_at_a_shutdown(line):
+def test_message_in_progress_is_completed_at_shutdown(line):
     board = wired(0)
     board.tell(line)
     assert levels(board, "mosi") == [1, 0, 1, 0, 1, 0, 1, 0, 1]

@@ -27,7 +27,7 @@ def trial(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_every_step_comes_in_its_order_and_in_time(trial: Path, seed: int) -> None:
+def test_all_steps_come_in_order_and_in_time(trial: Path, seed: int) -> None:
     done = subprocess.run([trial, str(seed)], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     steps, latest = map(int, done.stdout.split())

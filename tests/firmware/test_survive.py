@@ -190,7 +190,7 @@ def test_the_host_takes_over_at_the_motors_positions():
     assert host.done(0) == host.steps[0] and host.position(0) == -62
 
 
-def test_slots_come_back():
+def test_move_queue_entries_are_freed():
     """Tails that were replaced, dropped moves, and those of a shutdown."""
     host = Host()
     slots = host.tell("get_config")[0][1]["move_count"]
@@ -375,7 +375,7 @@ def test_a_laser_is_off_before_the_machine_brakes():
     assert host.board.device.take_edges(fan) == [(on, 1), (limit - GUARD, 0)]
 
 
-def test_a_heater_that_is_on_its_way_is_no_laser():
+def test_queued_heater_value_is_not_treated_as_laser():
     """It has nothing to keep yet, but its host may still reach this board, though not another."""
     host = Host()
     host.tell("survive_output oid=7 value=0 seconds=60")

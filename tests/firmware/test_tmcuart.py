@@ -119,7 +119,7 @@ def test_a_busy_line_drops_what_else_is_sent():
     assert chips[0].read(2) == 1
 
 
-def test_a_shutdown_lets_the_line_rest():
+def test_uart_line_is_idle_after_shutdown():
     board, _ = wired()
     board.tell(f"tmcuart_send oid=0 write={'00' * 10} read=0")
     board.wait(REST + 3 * BIT)

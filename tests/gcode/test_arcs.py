@@ -69,7 +69,7 @@ def assert_chords(path, centre, radius, error=0.005):
         ("G2 X100.02 Y100 I.01", (100.02, 100), (100.01, 100), -pi),
     ],
 )
-def test_arcs_in_the_plane(line, end, centre, turned):
+def test_arcs_follow_their_circle(line, end, centre, turned):
     path = points(arc(line))
     assert path[-1] == (*end, 100)
     assert_chords(path, centre, dist((100, 100), centre))
@@ -86,7 +86,7 @@ def test_arcs_in_the_plane(line, end, centre, turned):
         ("G17", "G3 X110 Y110 I0 J10"),
     ],
 )
-def test_planes(plane, line):
+def test_arcs_in_all_three_planes(plane, line):
     path = points(arc(line, f"G1 X100 Y100 Z100\n{plane}"), plane)
     centre = (100, 110)
     assert path[-1][:2] == (110, 110)
@@ -105,7 +105,7 @@ def test_a_helix_rises_and_extrudes_in_proportion():
     assert out.moves[0].kind == "print"
 
 
-def test_inches_and_modal_arcs():
+def test_arcs_in_inches_and_by_modal_motion():
     out = run("G1 X100 Y100\nG20 G91\nG2 X1 I.5\nX-1 I-.5\n")
     assert out.errors == []
     assert [max(m.end_mm[0] for m in out.moves), out.moves[-1].end_mm[0]] == pytest.approx(
@@ -127,13 +127,13 @@ def test_inches_and_modal_arcs():
         ("G19 G2 Y10 R0", Fault.CENTRE, "J, K and R"),
     ],
 )
-def test_arcs_that_are_none(line, fault, word):
+def test_impossible_arcs_are_errors(line, fault, word):
     out = run(f"G1 X5 Y5\n{line}\n")
     assert [e[:3] for e in out.errors] == [(2, fault, word)]
     assert len(out.moves) == 1
 
 
-def test_an_arc_may_have_so_many_turns():
+def test_maximum_number_of_turns_of_an_arc():
     ((line, fault, word, turns, most),) = run("G1 X5 Y5\nG2 I5 P100000000\n").errors
     assert (line, fault, word, turns) == (2, Fault.RANGE, "P", 1e8)
     assert most == pytest.approx(135_047)

@@ -34,13 +34,13 @@ def drilled(text, machine="unbounded"):
 AT = "G0 X1 Y2 Z3 F6000\nF60\n"  # as in RS274's examples
 
 
-def test_g81_of_rs274():
+def test_g81_drills_as_in_rs274():
     assert drilled(AT + "G90 G81 G98 X4 Y5 Z1.5 R2.8")[-4:] == [
         "4 5 3", "4 5 2.8", "4 5 1.5*", "4 5 3",
     ]  # fmt: skip
 
 
-def test_g81_with_repeats_of_rs274():
+def test_g81_repeats_as_in_rs274():
     assert drilled(AT + "G91 G81 G98 X4 Y5 Z-0.6 R1.8 L3")[-10:] == [
         "1 2 4.8",
         "5 7 4.8", "5 7 4.2*", "5 7 4.8",
@@ -78,7 +78,7 @@ CYCLES = {
 
 
 @pytest.mark.parametrize(("text", "moves"), CYCLES.items())
-def test_each_cycle(text, moves):
+def test_each_cycle_makes_its_moves(text, moves):
     found = drilled("G0 Z5\n" + text.replace("G20 ", "G20\nF2.36220472440945\n"))
     assert found[0] == "0 0 5*"  # G0 keeps to F here
     assert found[1:] == moves

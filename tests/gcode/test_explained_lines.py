@@ -49,7 +49,7 @@ def told(commands):
 
 
 @pytest.mark.parametrize("name", ["i3", "dual-extruder"])
-def test_random_lines(name):
+def test_random_lines_are_explained_completely(name):
     machine, chance, good = config.load(name), random.Random(4), 0
     for _ in range(1000):
         line = chance.choice(("", " ")).join(chance.choices(PIECES, k=chance.randint(1, 6)))
@@ -87,13 +87,13 @@ def test_random_lines(name):
         ("; nothing", ("", False, [])),
     ],
 )
-def test_line_is_reported(line, heard):
+def test_watched_line_is_reported(line, heard):
     codes = read(config.load("i3"), line)
     assert codes is not None
     assert codes[1] == heard
 
 
-def test_words_before_a_command_are_its_own():
+def test_words_before_a_command_are_shown_with_it():
     job = _core.Job(config.load("i3").core_spec(), False)
     job.feed(b"P300 G4\n")
     job.finish()

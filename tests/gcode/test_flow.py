@@ -31,7 +31,7 @@ def lengths(moves):
     return [m.end_mm[3] - m.start_mm[3] for m in moves]
 
 
-def test_each_extruder_has_its_own():
+def test_each_extruder_has_its_own_flow():
     two = spec("unbounded") | {
         "extruders": [spec("i3")["extruders"][0], spec("i3")["extruders"][0] | {"name": "e1"}],
         "tools": [{"extruder": 0, "offset": [0.0] * 3}, {"extruder": 1, "offset": [0.0] * 3}],
@@ -72,7 +72,7 @@ def test_a_retraction_is_given_back_whatever_the_flow_is_then(text, made):
     assert lengths(job_of(text).results.take_moves()) == pytest.approx(made, abs=1e-12)
 
 
-def test_a_volume_is_scaled_too():
+def test_flow_scales_volumetric_extrusion():
     area = 3.141592653589793 * (1.75 / 2) ** 2
     text = f"M83\nM200 D1.75\nG1 E{-2 * area}\nM221 E0 F.5\nG1 E{2 * area}\nG1 E{area}"
     assert lengths(job_of(text).results.take_moves()) == pytest.approx([-2, 2, 0.5], abs=1e-12)
@@ -115,7 +115,7 @@ programs = st.lists(word, min_size=1, max_size=12)
 
 @given(programs, st.floats(0, 1), st.sampled_from([0.5, 0.95, 1.3]), programs)
 @settings(max_examples=80, deadline=None)
-def test_any_program_from_any_clock(words, where, factor, behind):
+def test_flow_change_at_any_clock_of_any_program(words, where, factor, behind):
     """Retractions before, around and behind the change; and lines that are read after it."""
     text = "M83\nG1 F1200\n" + "".join(f"G1 {w}\n" for w in words)
     job = Job(spec("unbounded"), True)
@@ -148,7 +148,7 @@ def test_any_program_from_any_clock(words, where, factor, behind):
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.8])
-def test_an_arc_that_is_half_read(share):
+def test_flow_change_within_an_arc(share):
     """A full circle of 10 mm of filament, of which the plan has a part."""
     job = Job(spec("unbounded"), True)
     job.feed(b"M83\nG1 F1200\nG2 I50 E10\nG1 X10 E1\n")

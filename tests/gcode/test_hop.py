@@ -36,7 +36,7 @@ def heights(lines, machine="i3", **policy):
         ("G20\nG1 Z1\nG21\n", 25.4),
     ],
 )
-def test_g11_brings_z_to_where_the_program_means_it_to_be(meanwhile, z):
+def test_g11_returns_to_the_programs_z(meanwhile, z):
     assert heights(f"{RETRACTED}{meanwhile}G11\nG1 X1 E1\n")[-1] == pytest.approx(z)
 
 
@@ -47,7 +47,7 @@ def test_arms_that_lift_together_end_the_hop_together():
         assert heights(lines.replace("G28 X", back), "delta")[-1] == 5
 
 
-def test_a_saved_place_is_the_programs():
+def test_g60_saves_the_programs_position():
     assert heights(f"{RETRACTED}G60\nG11\nG1 Z30\nG61\n")[-2:] == [30, 10]
     assert heights("G1 Z10\nG60\nG1 Z20\nM207 S1 Z1\nG10\nG61\nG11\n")[-4:] == [21, 11, 10, 10]
 

@@ -53,7 +53,7 @@ def test_a_move_that_is_refused_changes_nothing(target, within, error):
     assert net(job) == {"x": 1600, "y": 0, "z": 0, "e": 0}
 
 
-def test_limits_are_not_for_where_the_machine_has_been():
+def test_move_from_outside_the_limits_is_allowed():
     job = started()
     assert job.plan.move_to(places(X=-0.5), 20.0, Within.REACH)
     assert job.plan.move_to(places(Z=1), 20.0)  # an axis that stays may be beyond
@@ -61,7 +61,7 @@ def test_limits_are_not_for_where_the_machine_has_been():
     assert net(job) == {"x": -40, "y": 0, "z": 400, "e": 0}
 
 
-def test_arms_go_where_they_reach():
+def test_arms_move_to_every_reachable_point():
     job = Job(spec("delta"), True)
     z = job.machine_position[Z]
     assert not job.plan.move_to(places(X=1e4), 20.0, Within.REACH)

@@ -105,7 +105,7 @@ def test_the_head_goes_straight_to_the_next_live_object():
 
 @pytest.mark.parametrize("cancelled", ["a", "b", "c", "ab", "bc", "ac", "abc"])
 @pytest.mark.parametrize("relative", [True, False])
-def test_each_choice_of_objects(cancelled: str, relative: bool):
+def test_any_choice_of_objects_prints_the_others(cancelled: str, relative: bool):
     text = BLOCKS if relative else absolute(BLOCKS)
     checked(text + "G1 Z50 F600\n", *cancelled)
 
@@ -182,7 +182,7 @@ def test_filament_is_drawn_back_as_the_program_means(border: str, marks: str):
 
 
 @pytest.mark.parametrize("seed", range(60))
-def test_programs_at_random(seed: int):
+def test_random_programs_skip_cancelled_objects(seed: int):
     rnd = random.Random(seed)
     lines = ["M83", "G1 Z0.2 F9000"]
     names = "abc"
@@ -253,7 +253,7 @@ def skipped(body: str, after: str, machine: str = "unbounded") -> Outcome:
         ("G1 X50 E1\nG1 X10 E1", "G1 X20 E1", [(20, 0, 1)]),
     ],
 )
-def test_the_way_on_from_a_cancelled_object(
+def test_travel_after_a_cancelled_object(
     body: str, after: str, wanted: list[tuple[float, float, float]]
 ):
     out = skipped(body, after)

@@ -91,7 +91,7 @@ def test_text_in_place_of_a_number_is_refused():
         Command(0, "M", 104, 0, "", 'S"hot"').check()
 
 
-def test_every_parameter_says_what_it_is():
+def test_every_declared_parameter_has_a_text():
     for row in table().values():
         for parameter in shown(row.parameters):
             assert parameter.text or parameter.form is Form.ANYTHING, row.code

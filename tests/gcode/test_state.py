@@ -39,7 +39,7 @@ def test_g92_moves_the_zero_and_not_the_machine():
     assert run("G1 E10\nG92 E0\nG92 E3\nG1 E4\n").ends == [(0, 0, 0, 10), (0, 0, 0, 11)]
 
 
-def test_inches():
+def test_g20_scales_all_lengths():
     out = run("G20\nG1 X1 Y.5 E.1 F60\nG91\nG1 X1\nG21\nG1 X1\n")
     assert out.ends == [(25.4, 12.7, 0, 2.54), (50.8, 12.7, 0, 2.54), (51.8, 12.7, 0, 2.54)]
     assert out.moves[0].cruise_speed == pytest.approx(25.4)
@@ -57,13 +57,13 @@ def test_feed_rates_stay_until_the_next():
     assert [m.cruise_speed for m in out.moves] == pytest.approx([10, 10, 20, 20])
 
 
-def test_dwell():
+def test_g4_dwells_for_s_or_p():
     out = run("G1 X1\nG4 P1500\nG4 S2\nG4 S1 P9\nG4\nG4 P0\nG4 P-5\n")
     assert [m.kind for m in out.moves] == ["travel", "dwell", "dwell", "dwell"]
     assert out.statistics["dwell_s"] == 4.5
 
 
-def test_kinds_of_moves():
+def test_moves_are_travel_print_or_extrude():
     out = run("G1 X1\nG1 X2 E1\nG1 E0\nG1 X3 E-1\nG1 X3\n")
     assert [m.kind for m in out.moves] == ["travel", "print", "extrude", "travel"]
 
@@ -87,7 +87,7 @@ def test_a_rounding_is_not_a_move(line, kind, hop):
     assert behind == ([kind] if kind else [])
 
 
-def test_firmware_retraction():
+def test_g10_retracts_and_g11_recovers():
     out = run("M207 S2 F1200 Z.4\nG1 X10 E5\nG10\nG10\nG1 X20\nG11\nG11\nG1 X30 E6\n")
     assert out.ends == [
         (10, 0, 0, 5),
@@ -179,7 +179,7 @@ def test_return_from_endstop_above_limits_is_allowed():
     assert out.ends[-1] == (2, 0, pytest.approx(top - 40), 0)
 
 
-def test_tools():
+def test_tool_changes_are_events():
     out = run("G1 X10 E1\nT1\nG92 E0\nG1 X20 E2\nT0\nG92 E0\nG1 X30 E1\n", "dual-extruder")
     assert out.errors == []
     assert [m.extruder for m in out.moves if m.kind == "print"] == [0, 1, 0]

@@ -20,7 +20,7 @@ def test_a_move_after_a_command_without_axes(code, modal):
     assert out.ends[-2:] == [(10, 5, 0, 0), (10, 6, 0, 0)]
 
 
-def test_several_in_one_line():
+def test_several_commands_in_one_line_keep_their_axes():
     out = run("G90 G94 G17 G80 G40 G49 X10 F600\nG40G49X20\n")
     assert out.ends == [(10, 0, 0, 0), (20, 0, 0, 0)]
     assert out.commands == ["G94", "G80", "G40", "G49", "G40", "G49"]
@@ -49,7 +49,7 @@ def test_commands_with_axis_words_keep_them(code):
 
 
 @pytest.mark.parametrize("code", ["G5", "G5.1", "G33", "G38.2", "G76", "G84", "G89"])
-def test_another_way_to_move_keeps_what_follows(code):
+def test_words_after_unsupported_motion_belong_to_it(code):
     """X20 Z0 after a drilling cycle is a hole, and no move on the way of which the tool breaks."""
     cycle = f"G0 X5 Z9\n{code} X10 Z-2 R2 F100\nX20 Z0\nN5 Z3\n"
     for end in ("G80\nX30\n", "G80 X29\nX30\n", "G1 X30\n", "G0 X30\n"):
@@ -59,7 +59,7 @@ def test_another_way_to_move_keeps_what_follows(code):
         assert out.commands[:3] == [f"{code} X10 Z-2 R2 F100", f"{code} X20 Z0", f"{code} Z3"]
 
 
-def test_without_axes_such_a_command_changes_nothing():
+def test_stray_command_without_axes_changes_nothing():
     assert run("G0 X5\nG33\nX6\n").ends == [(5, 0, 0, 0), (6, 0, 0, 0)]
 
 
@@ -152,7 +152,7 @@ def test_g53_ignores_tool_offsets():
 @pytest.mark.parametrize(
     "line", ["G4 S-1", "G4 P-0.5", "G1 X5 T-2", "T-1 X5 Y5 T-3", "G2 X5 I2 P-1"]
 )
-def test_no_time_nor_number_of_turns_is_less_than_none(line):
+def test_negative_times_and_turns_are_refused(line):
     out = run(f"G1 X1\n{line}\nG1 X2\n")
     assert [e[1] for e in out.errors] == [Fault.RANGE]
     assert [x for x, *_ in out.ends] == [1, 2]

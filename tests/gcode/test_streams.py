@@ -45,7 +45,7 @@ def summary(out: Outcome):
 
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
 @pytest.mark.parametrize("chunk", [1, 2, 3, 7, 64])
-def test_chunks_make_no_difference(end, chunk):
+def test_result_does_not_depend_on_chunks(end, chunk):
     data = PROGRAM.replace("\n", end)
     assert summary(run(data, chunk=chunk)) == summary(run(data))
 
@@ -122,7 +122,7 @@ def test_a_comment_of_10_mb(chunk):
     assert out.ends == [(1, 0, 0, 0), (2, 0, 0, 0), (3, 0, 0, 0)]
 
 
-def test_nothing():
+def test_empty_program_has_no_moves():
     for text in ("", "\n", "\r\n\r\n", ";", "%", "()", "  \t"):
         out = run(text)
         assert (out.moves, out.events, out.errors) == ([], [], [])

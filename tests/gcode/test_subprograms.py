@@ -52,7 +52,7 @@ FORMS = {
 
 
 @pytest.mark.parametrize(("call", "times"), FORMS.items())
-def test_forms_of_a_call(call, times):
+def test_m98_is_read_in_all_forms(call, times):
     out = called(MAIN.replace("M98 P1002 L3", call) + DRILL)
     assert out.errors == []
     assert len(out.moves) == 2 + 3 * times
@@ -63,7 +63,7 @@ ENDS = ["M30", "M2", "N90 M30", "M02", "m30", "M99"]
 
 @pytest.mark.parametrize("end", ENDS)
 @pytest.mark.parametrize("label", ["O1002", "o01002", "O1002 G21", "N1002", "N1002 G1 Y1"])
-def test_forms_of_a_beginning_and_an_end(end, label):
+def test_labels_and_ends_are_read_in_all_forms(end, label):
     out = called(MAIN.replace("M30", end) + DRILL.replace("O1002 (DRILL)", label))
     assert out.errors == []
     moves = [m for m in out.moves if m.end_mm[1] == m.start_mm[1]]

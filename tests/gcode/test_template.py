@@ -57,20 +57,20 @@ def rendered(text, **values):
         ),
     ],
 )
-def test_what_a_template_becomes(text, becomes):
+def test_templates_become_lines(text, becomes):
     objects = [{"n": 1, "p": [[0, 1], [3, 1]]}, {"n": 2, "p": [[2, 2]]}]
     assert rendered(text, x=2, l=[1], o=objects, n=0) == becomes
 
 
 @pytest.mark.parametrize("name", sorted({*FILTERS, *DEFAULT_NAMESPACE} - {*REFUSED}))
-def test_each_filter_and_function_of_jinja_is_there(name):
+def test_each_documented_jinja_filter_works(name):
     kind = "filter" if name in FILTERS else "defined"
     subject = repr(name) if kind == "filter" else name
     assert rendered("{ " + f"{subject} is {kind}" + " }") == "True"
 
 
 @pytest.mark.parametrize("text", ["{ lipsum() }", "{ x|striptags }", "{ x|urlize }"])
-def test_what_is_not_allowed_is_named_with_its_reason(text):
+def test_forbidden_template_parts_are_named(text):
     with pytest.raises(
         TemplateFault, match=r"is not allowed in a macro: it (is for|writes)"
     ) as caught:
@@ -172,7 +172,7 @@ def test_a_seed_decides_what_is_random():
         ("{% for i in range(17) %}{ 'a' * 60000 }{% endfor %}", None, "1,000,000 bytes"),
     ],
 )
-def test_what_a_template_may_not_do(text, line, reason):
+def test_templates_cannot_leave_the_sandbox(text, line, reason):
     if not reason:
         assert rendered(text).count("\n") == 9999
         return
@@ -192,13 +192,13 @@ def test_what_a_template_may_not_do(text, line, reason):
 @pytest.mark.parametrize(
     ("text", "line"), [("a\n{% if %}", 2), ("{ 1 + }", 1), ("\n{% for %}", 2), ("{ a", 1)]
 )
-def test_what_is_not_a_template(text, line):
+def test_invalid_templates_are_refused(text, line):
     with pytest.raises(TemplateFault) as caught:
         Template(text)
     assert caught.value.line == line
 
 
-def test_what_is_nested_without_end_is_not_a_template():
+def test_too_deeply_nested_template_is_refused():
     with pytest.raises(TemplateFault, match="nested too deeply"):
         Template("{" + "(" * 5000 + ")" * 5000 + "}")
 

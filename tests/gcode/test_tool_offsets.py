@@ -97,7 +97,7 @@ def test_commands_between_tool_change_and_move(lines, end):
     assert ends(lines + "\n")[-1][:3] == pytest.approx(end)
 
 
-def test_filament_alone_stays_where_it_is():
+def test_move_of_filament_alone_ignores_tool_offset():
     assert ends("T1\nG1 E3\nG1 E-1\nG0 X120 Y50\n") == [
         (100, 100, 5, 3),
         (100, 100, 5, 2),
@@ -163,6 +163,6 @@ def test_an_error_in_the_first_move_leaves_the_offset_due():
 
 
 @pytest.mark.parametrize("steps", [1, 7, 100])
-def test_the_text_may_be_cut_anywhere(steps):
+def test_tool_offsets_do_not_depend_on_chunks(steps):
     text = BEGIN + "T1\nG1 Y120 E1\nT2\nG2 X120 R10 E1\nT0\nG1 Z6\n"
     assert run(text, three_tools(), chunk=steps).ends == run(text, three_tools()).ends

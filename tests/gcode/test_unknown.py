@@ -63,7 +63,7 @@ def test_a_command_without_its_number_is_an_error(line):
     assert out.events == []
 
 
-def test_text_is_not_called_binary():
+def test_text_file_is_not_reported_as_binary():
     assert run("G1 X1\n!5 G1\n").errors == [(2, Fault.WORD, "!5 G1", 0, 0)]
 
 
@@ -174,7 +174,7 @@ BOM = b"\xef\xbb\xbf"
 
 
 @pytest.mark.parametrize("chunk", [0, 1, 2, 3, 4])
-def test_a_byte_order_mark_in_front_means_nothing(chunk):
+def test_leading_byte_order_mark_is_ignored(chunk):
     out = run(BOM + b"G1 X1\nG1 X2\n", chunk=chunk)
     assert (out.errors, out.events) == ([], [])
     assert out.ends == [(1, 0, 0, 0), (2, 0, 0, 0)]

@@ -38,7 +38,7 @@ from .driver import run, spec
         "X10 Y20 E1.5",
     ],
 )
-def test_dialects_of_one_move(line):
+def test_spellings_of_a_move_are_equal(line):
     out = run(f"{line}\n")
     assert out.errors == []
     assert out.events == []
@@ -58,7 +58,7 @@ def checked(line):
     return f"{line}*{reduce(xor, line.encode())}"
 
 
-def test_checksums():
+def test_right_and_wrong_checksums():
     good = "N3 T0*57\n"
     assert run(good).errors == []
     ((line, fault, word, value, _),) = run("G4 P1\nN3 T0*58\n").errors
@@ -365,7 +365,7 @@ def test_text_of_other_commands_ends_at_a_comment(line, kept):
     assert run(f"{line}\n").commands[0] == kept
 
 
-def test_extended_commands():
+def test_extended_commands_are_events_with_their_text():
     out = run("SET_VELOCITY_LIMIT ACCEL=500\nset_fan_speed FAN=a SPEED=.5 ; c\n_CUSTOM A=1\n")
     assert out.commands == [
         "SET_VELOCITY_LIMIT ACCEL=500",
@@ -403,7 +403,7 @@ def test_commands_of_a_line_start_where_the_last_ended():
         ("T99999999999999999999", Fault.NUMBER, "T"),
     ],
 )
-def test_numbers_that_make_no_sense(line, fault, word):
+def test_impossible_numbers_are_errors(line, fault, word):
     out = run(f"G1 X1\nX5 Y5\n{line}\n")
     assert [e[:3] for e in out.errors] == [(3, fault, word)]
     assert len(out.moves) == 2
@@ -426,7 +426,7 @@ def test_numbers_that_make_no_sense(line, fault, word):
         ("G60 S2", "S", 2, 0, 1),
     ],
 )
-def test_values_beyond_their_range(line, word, value, least, most):
+def test_values_out_of_range_are_errors(line, word, value, least, most):
     out = run(f"G1 X1\nX5 Y5\n{line}\n")
     assert out.errors == [(3, Fault.RANGE, word, value, most)]
     assert out.points == [(least, 0, 0)]

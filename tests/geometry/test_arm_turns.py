@@ -91,7 +91,7 @@ def planned(tmp_path, machine, *lines):
 AROUND = ("G1 X200 Y180 F6000", "G1 X60 Y180")
 
 
-def test_a_line_over_the_left_of_a_shoulder_takes_its_time(tmp_path):
+def test_line_left_of_a_shoulder_keeps_its_feedrate(tmp_path):
     machine = arms(256.0, 100.0, home=(90.0, 180.0))
     moves = planned(tmp_path, machine, "G1 X100 Y101 F600", "G1 X100 Y99")
     assert moves[-1].end_s - moves[-1].start_s == pytest.approx(0.2, abs=0.02)

@@ -72,7 +72,7 @@ def close(a, b, tolerance=1e-9):
     return all(abs(p - q) <= tolerance for p, q in zip(a, b, strict=True))
 
 
-def test_every_geometry_is_here():
+def test_every_geometry_has_tests():
     kinds = {case[0]["kind"] for case in CASES.values()}
     names = {model.model_fields["kind"].annotation.__args__[0] for model in GEOMETRIES}
     assert kinds == names
@@ -136,7 +136,7 @@ fractions = st.tuples(*[st.integers(0, 1000).map(lambda n: n / 1000)] * 3)
 @pytest.mark.parametrize("name", NONLINEAR)
 @settings(max_examples=25, derandomize=True, deadline=None)
 @given(data=st.data())
-def test_crossings_are_where_brute_force_finds_them(name, data):
+def test_crossings_equal_brute_force_search(name, data):
     model, core, low, high = machine(name)
     start, end = (
         tuple(a + (b - a) * f for a, b, f in zip(low, high, data.draw(fractions), strict=True))
@@ -157,7 +157,7 @@ def test_crossings_are_where_brute_force_finds_them(name, data):
 
 
 @pytest.mark.parametrize("name", NONLINEAR)
-def test_the_way_back_crosses_where_the_way_there_did(name):
+def test_crossings_are_equal_in_both_directions(name):
     _, core, low, high = machine(name)
     length = dist(low, high)
     for actuator in range(2):
@@ -167,7 +167,7 @@ def test_the_way_back_crosses_where_the_way_there_did(name):
         assert close([length - s for s in reversed(back)], there, 1e-6)
 
 
-def test_a_turn_at_a_place_that_is_looked_at_is_one():
+def test_turn_at_a_sample_is_found_once():
     """An arm of the rotary delta turns in the middle of a line across it, of whole mm."""
     _, core, _, _ = machine("rotary_delta")
     places, directions = core.crossings(0, (-20.0, 0.0, 60.0), (20.0, 0.0, 60.0), 80.0)

@@ -60,7 +60,7 @@ def test_temperature_that_leaves_the_window_restarts_the_time():
         assert done(s) - begin == pytest.approx(10, abs=0.3)
 
 
-def test_one_that_has_stayed_there_is_not_waited_for_again():
+def test_temperature_that_has_settled_needs_no_wait():
     with scenario() as s:
         s.host.ok("M109 S200", 300)
         begin = s.loop.time()

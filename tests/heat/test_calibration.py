@@ -11,14 +11,14 @@ NTC = Ntc(100_000.0, 3950.0)
 POINTS = [Point(180, 169), Point(200, 177), Point(220, 194), Point(240, 208)]
 
 
-def test_the_rule_of_averages():
+def test_averages_of_readings_are_weighted():
     found = by_averages(NTC, POINTS)
     assert found.beta_k == pytest.approx(4435.83, abs=0.005)
     assert found.residuals_c == pytest.approx((-13.41, -5.58, -6.96, -5.56), abs=0.01)
     assert found.rms_c == pytest.approx(8.5, abs=0.1)
 
 
-def test_the_least_squares():
+def test_least_squares_fit_equals_the_oracle():
     found = by_least_squares(NTC, POINTS)
     assert found.beta_k == pytest.approx(4303.5, abs=0.5)
     assert found.residuals_c == pytest.approx((-7.6, 1.2, 0.9, 3.3), abs=0.06)

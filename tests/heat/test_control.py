@@ -57,7 +57,7 @@ def test_another_target_is_held_as_well(name, before, target, within_s):
 @pytest.mark.parametrize("name", CONTROLS)
 @pytest.mark.parametrize(("before", "target"), [(26, 240), (30, 283), (60, 240), (100, 240)])
 @pytest.mark.parametrize("fan", [0.0, 1.0])
-def test_no_way_up_ends_too_high(name, before, target, fan):
+def test_heating_never_overshoots(name, before, target, fan):
     oven = Oven(CONTROLS[name])
     oven.blow(fan)
     oven.heat(before)
@@ -127,7 +127,7 @@ def test_a_hot_thermistor_is_as_exact_as_its_adc(name, target, adc_step_c):
     assert oven.faults == []
 
 
-def test_a_model_foresees_the_fan():
+def test_heat_model_anticipates_the_fan():
     oven = Oven(CONTROLS["model"])
     oven.heat(210.0)
     settled = oven.run(240)
@@ -142,7 +142,7 @@ def test_a_model_foresees_the_fan():
 @pytest.mark.parametrize(
     ("rise_c", "time_constant_s"), [(304.0, 120.0), (456.0, 120.0), (380.0, 96.0), (380.0, 144.0)]
 )
-def test_a_model_may_err(rise_c, time_constant_s):
+def test_wrong_heat_model_still_settles(rise_c, time_constant_s):
     model = f"model = {{ rise_c = {rise_c}, time_constant_s = {time_constant_s} }}"
     oven = Oven(f"{CONTROLS['model']}\n{model}\nprotection = {{ deviation = 0.0 }}")
     oven.heat(200.0)
@@ -176,7 +176,7 @@ def test_two_hotends_have_states_of_their_own():
     assert second[-1].terms.i == pytest.approx(125 / 380, abs=0.05)
 
 
-def test_the_bed_settles():
+def test_bed_temperature_settles():
     oven = Oven(name="bed")
     oven.heat(60.0)
     rise = oven.run(300)

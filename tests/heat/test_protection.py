@@ -67,7 +67,7 @@ def idle() -> Oven:
 @pytest.mark.parametrize(
     ("share", "kind"), [(1.0, FaultKind.SENSOR_OPEN), (0.0, FaultKind.SENSOR_SHORT)]
 )
-def test_a_broken_cable(make, share, kind):
+def test_broken_sensor_cable_is_a_fault(make, share, kind):
     oven = make()
     oven.board.force_sensor("hotend", share)
     fails(oven, kind, 0.75)
@@ -105,7 +105,7 @@ SENSORS = {
 @pytest.mark.parametrize("kind", SENSORS)
 @pytest.mark.parametrize("target", [0.0, 100.0])
 @pytest.mark.parametrize("broken", [FaultKind.SENSOR_OPEN, FaultKind.SENSOR_SHORT])
-def test_a_broken_cable_of_any_sensor(kind, target, broken):
+def test_broken_cable_of_each_sensor_kind_is_a_fault(kind, target, broken):
     oven = Oven(f"sensor = {{ kind = '{kind}'{SENSORS[kind]} }}")
     oven.heat(target)
     oven.run(10)
@@ -119,7 +119,7 @@ def test_a_broken_cable_of_any_sensor(kind, target, broken):
 @pytest.mark.parametrize(
     ("celsius", "kind"), [(2.0, FaultKind.MIN_TEMPERATURE), (290.0, FaultKind.MAX_TEMPERATURE)]
 )
-def test_a_temperature_out_of_range(celsius, kind):
+def test_temperature_out_of_range_is_a_fault(celsius, kind):
     oven = idle()
     table = oven.connection.board.sensors[0].table
     oven.board.force_sensor("hotend", share_at(table, celsius))
@@ -130,7 +130,7 @@ def test_a_temperature_out_of_range(celsius, kind):
     mended(oven, 0.0)
 
 
-def test_a_noisy_sensor():
+def test_very_noisy_sensor_is_a_fault():
     oven = hot()
     oven.board.add_noise("hotend", 0.05)
     fails(oven, FaultKind.SENSOR_ERRATIC, 10)
@@ -145,7 +145,7 @@ def test_a_little_noise_does_not_matter():
     assert oven.board.temperature("hotend") == pytest.approx(200, abs=2)
 
 
-def test_a_sensor_that_falls_out_at_work():
+def test_sensor_that_falls_out_is_a_fault():
     oven = hot()
     oven.board.drop_sensor("hotend")
     fails(oven, FaultKind.SENSOR_ERRATIC, 3)
@@ -176,7 +176,7 @@ def test_heater_that_does_not_get_warmer_is_a_fault(fault):
     mended(oven, 200.0)
 
 
-def test_a_heater_that_dies_at_work():
+def test_heater_that_fails_while_hot_is_a_fault():
     oven = hot(NO_MODEL)
     oven.board.force_heater("hotend", 0.0)
     fails(oven, FaultKind.RUNAWAY, 45)
@@ -215,7 +215,7 @@ def test_cooling_down_is_not_a_fault():
 
 
 @pytest.mark.parametrize("control", ["pid", "model"])
-def test_a_sensor_that_sticks_at_work(control):
+def test_stuck_sensor_reading_is_a_fault(control):
     """Its reading looks well; only a model tells that it does not follow the power."""
     oven = hot(f"{MODEL}\ncontrol = {{ kind = '{control}' }}")
     table = oven.connection.board.sensors[0].table
@@ -226,13 +226,13 @@ def test_a_sensor_that_sticks_at_work(control):
     mended(oven, 200.0)
 
 
-def test_a_cartridge_that_is_weaker_than_its_model():
+def test_weak_heater_deviates_from_its_model():
     oven = Oven("model = { rise_c = 760.0, time_constant_s = 120.0 }")
     oven.heat(200.0)
     fails(oven, FaultKind.MODEL_DEVIATION, 45)
 
 
-def test_the_wind_of_the_fan_is_in_the_model():
+def test_fan_cooling_is_not_a_model_deviation():
     oven = hot(f"{MODEL}\nprotection = {{ deviation = 0.1, deviation_s = 20.0 }}")
     oven.blow(1.0)
     oven.run(120)
@@ -247,7 +247,7 @@ def test_a_slow_heater_near_its_end_is_not_a_fault():
     assert oven.faults == []
 
 
-def test_a_protection_that_is_switched_off():
+def test_disabled_protection_reports_nothing():
     oven = Oven("protection = { watch_rise_c = 0.0, deviation = 0.0 }")
     oven.board.force_heater("hotend", 0.0)
     oven.heat(200.0)
@@ -258,7 +258,7 @@ def test_a_protection_that_is_switched_off():
     fails(oven, FaultKind.HEATING_FAILED, 21)
 
 
-def test_every_fault_is_a_sentence():
+def test_every_heater_fault_has_a_sentence():
     oven = idle()
     oven.board.force_heater("hotend", 0.0)
     oven.heat(200.0)

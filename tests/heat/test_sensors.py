@@ -25,7 +25,7 @@ from passo.printer.setup.sensors import sensor_of
         (200, 175.86), (400, 247.09), (850, 390.48),
     ],
 )  # fmt: skip
-def test_platinum_by_the_table_of_the_standard(celsius, ohm):
+def test_platinum_resistance_follows_iec_60751(celsius, ohm):
     assert platinum.ohm(celsius, 100.0) == pytest.approx(ohm, abs=0.005)
     assert platinum.celsius(platinum.ohm(celsius, 1000.0), 1000.0) == pytest.approx(
         celsius, abs=1e-6

@@ -40,7 +40,7 @@ def test_max31855_faults(word, fault):
     assert _core.read_converter(MAX31855, word)[1] == fault
 
 
-def test_max6675():
+def test_max6675_readings_and_faults():
     assert _core.read_converter(MAX6675, 0) == (0.0, FAULT.NONE)
     assert _core.read_converter(MAX6675, 0x7FF8) == (1023.75, FAULT.NONE)
     assert _core.read_converter(MAX6675, 0b0000_0011_0010_0000) == (25.0, FAULT.NONE)
@@ -53,7 +53,7 @@ def test_a_bus_on_which_no_device_answers():
 
 
 @pytest.mark.parametrize("kind", ["max31855", "max6675"])
-def test_a_share_of_full_scale_is_a_quarter_of_a_degree(kind):
+def test_max31855_steps_are_a_quarter_degree(kind):
     from passo.config.sensors import ThermocoupleConverter
 
     table: Table = sensor_table(ThermocoupleConverter(kind=kind, **PINS))

@@ -22,7 +22,7 @@ from passo.heat.step_tune import StepTune
         (4, "Tyreus-Lyben PID", (9.09, 0.13773, 43.286)),
     ],
 )
-def test_the_five_rules(number, name, gains):
+def test_five_tuning_rules_give_their_gains(number, name, gains):
     found = RULES[number].gains(20.0, 30.0)
     assert RULES[number].name == name
     assert (found.kp, found.ki, found.kd) == pytest.approx(gains, rel=1e-4)
@@ -59,7 +59,7 @@ def relay(oven: Oven, target: float, *, count_c: float = 0.5, **options: int) ->
     return RelayTune(label, target, **options, clock_hz=oven.hz, limit_c=limit, count_c=count_c)
 
 
-def test_the_lines_of_a_relay_tune():
+def test_relay_tune_prints_these_lines():
     oven = Oven()
     tune = relay(oven, 200.0, cycles=4)
     lines = tuned(oven, tune)

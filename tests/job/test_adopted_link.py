@@ -46,7 +46,7 @@ def other(monkeypatch):
         yield s, stood
 
 
-def test_its_place_is_proved_before_anything_was_moved(other):
+def test_adopted_position_is_verified_before_first_move(other):
     s, stood = other
     break_link(s, 1.0)
     s.host.expect("The board is back", 10)

@@ -54,7 +54,7 @@ def test_print_continues_after_refused_move(tmp_path, machine, bad):
 
 
 @pytest.mark.parametrize("bad", ["G1 E10001", "G1 X990", "G2 X5 Y5", "T7", "M104 SX"])
-def test_print_resumes_after_it_also_after_a_power_cut(tmp_path, bad):
+def test_failed_line_print_resumes_also_after_power_cut(tmp_path, bad):
     places = {"card": str(tmp_path), "state": str(tmp_path / "state")}
     lines = ["M302 P1", "G28", "M83", "G1 Y20 F3000", bad, *WAY]
     lines = [x.replace("F3000", "F300") for x in lines]
@@ -77,7 +77,7 @@ def test_print_resumes_after_it_also_after_a_power_cut(tmp_path, bad):
 
 
 @pytest.mark.parametrize("meanwhile", [(), ("M104 S0", "G1 Z30 F3000"), ("M84",)])
-def test_print_stopped_at_it_is_offered_after_a_power_cut(tmp_path, meanwhile):
+def test_print_stopped_at_failure_is_offered_after_cut(tmp_path, meanwhile):
     places = {"card": str(tmp_path), "state": str(tmp_path / "state")}
     lines = ["M302 P1", "G28", "M83", "G1 Y20 Z0.2 F3000", "M104 S60", *WAY[:10], "T7", *WAY[10:]]
     (tmp_path / "a.g").write_text("\n".join(lines) + "\n")
@@ -105,7 +105,7 @@ def test_print_stopped_at_it_is_offered_after_a_power_cut(tmp_path, meanwhile):
 
 
 @pytest.mark.parametrize("end", ["M524", "M23 b.g", "M22", "M26 S0", "M32 b.g", "M410"])
-def test_a_print_that_is_given_up_is_not(tmp_path, end):
+def test_print_given_up_after_failure_is_not_offered(tmp_path, end):
     places = {"card": str(tmp_path), "state": str(tmp_path / "state")}
     (tmp_path / "a.g").write_text("G28\nG1 X20 F6000\nG1 X9999\nG1 X40\n")
     (tmp_path / "b.g").write_text("G1 X10 F6000\n")

@@ -25,7 +25,7 @@ def test_a_print_resumes_from_the_journal(printing):
 
 
 @pytest.mark.parametrize("doing", ["M104 S60", "M109 S200", "G28", "G1 X10 Y10 F300"])
-def test_whatever_the_printer_is_doing(doing):
+def test_board_reset_in_any_activity_keeps_targets(doing):
     with Scenario(FIRMWARE) as s:
         s.host.ok("G28", 60)
         s.host.send(doing)
@@ -46,7 +46,7 @@ def test_whatever_the_printer_is_doing(doing):
 
 
 @pytest.mark.parametrize("board", [MAIN, "tool"])
-def test_one_of_two_boards(board):
+def test_reset_of_one_of_two_boards_stops_both(board):
     with Scenario(two_boards(firmware="passo")) as s:
         s.host.ok("G92 X0 Y0 Z0")
         s.host.ok("M104 S60")
@@ -65,7 +65,7 @@ def test_one_of_two_boards(board):
 
 
 @pytest.mark.parametrize(("seconds", "warm"), [(50, False), (70, True)])
-def test_a_second_time_within_a_minute_halts_it_cold(seconds, warm):
+def test_second_reset_within_a_minute_halts_cold(seconds, warm):
     """What it keeps warm may be what its supply fails at."""
     with Scenario(FIRMWARE) as s:
         s.host.ok("M104 S60")

@@ -43,7 +43,7 @@ def moved(socket, board):
     return TEXT.replace(f'socket = "{socket}"', f'socket = "tool:{socket}"') + board
 
 
-def test_shares_and_places(dense):
+def test_load_fractions_name_their_worst_line(dense):
     found = use(dense, LINK)
     assert found.densest.keys() == {"steps", "commands", "slots", "link"}
     link, commands, slots = (found.densest[n] for n in ("link", "commands", "slots"))
@@ -157,7 +157,7 @@ def test_a_long_pulse_counts_in_the_share_of_steps(dense):
     assert found.load == pytest.approx(50 * 80 * (90 + 28 * 16) / (0.65 * 16e6))
 
 
-def test_an_estimate_shows_them(dense, tmp_path, capsys):
+def test_estimate_shows_load_fractions(dense, tmp_path, capsys):
     machine = tmp_path / "mine.toml"
     machine.write_text(TEXT + LINK)
     assert main(["estimate", str(dense), "--machine", str(machine)]) == 0
@@ -171,7 +171,7 @@ def on_the_wire(s):
 
 
 @pytest.mark.parametrize("speed", [60, 250])
-def test_the_ways_to_brake_are_a_part_of_what_the_link_takes(tmp_path, speed):
+def test_commits_count_in_the_load_of_the_link(tmp_path, speed):
     """A board with Passo's firmware is told one with each commit, the longer the faster it moves:
     on these lines most bytes are those."""
     lines = ["G92 X0 Y0 Z0 E0", f"G1 X5 Y5 F{60 * speed}"]
@@ -188,7 +188,7 @@ def test_the_ways_to_brake_are_a_part_of_what_the_link_takes(tmp_path, speed):
     assert 0.5 * share < taken / 10_944 < share
 
 
-def test_more_than_all_is_a_burst():
+def test_load_above_1_is_a_burst():
     told = BudgetUse(densest={"link": Place(7, 1.1), "slots": Place(8, 1.0)})
     assert told.shares() == [
         ("link", "110% at line 7, in a burst that is sent ahead"),
@@ -210,7 +210,7 @@ def test_a_print_reports_a_place_that_is_close_to_the_limit(dense):
         assert told.endswith("print it more slowly or slice it with longer moves")
 
 
-def test_a_print_that_the_board_takes_easily_needs_no_words(dense):
+def test_low_board_load_is_not_reported(dense):
     with Scenario("i3", card=str(dense.parent)) as s:
         s.host.ok("M32 dense.g")
         s.passes(5)

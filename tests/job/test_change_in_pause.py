@@ -110,7 +110,7 @@ def test_m600_of_a_console_pauses_a_file_that_is_printed(s):
 
 
 @pytest.mark.parametrize("stop", ["M524", "M410"])
-def test_a_stop_in_the_change_brings_nothing_back(s, stop):
+def test_stop_in_filament_change_does_not_return(s, stop):
     s.host.ok("M25")
     s.passes(10)
     s.host.send("M600")

@@ -79,7 +79,7 @@ def test_a_pause_within_a_hole_returns_into_it(places, name):
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
-def test_after_a_power_cut_the_line_or_the_call_begins_again(places, name):
+def test_power_cut_in_a_cycle_or_call_repeats_its_line(places, name):
     with Scenario("i3", **places) as s:
         drilled = started(s, name)
         assert s.until(lambda: len(drilled.holes) == 5 and s.positions()["z"] > 2, 300)

@@ -20,7 +20,7 @@ def test_disturbed_print_ends_at_same_steps(whole):
         assert steps(s) == wanted
 
 
-def test_babysteps_shift_it_by_their_sum(whole):
+def test_babysteps_shift_print_by_their_sum(whole):
     card, wanted = whole
     with Scenario("i3", card=str(card)) as s:
         assert shift_by_babysteps(s, random.Random(1), wanted)["z"] != 0

@@ -36,7 +36,7 @@ def test_disturbed_print_on_two_boards_ends_at_same_steps(monkeypatch, whole):
         assert steps(s) == wanted
 
 
-def test_babysteps_shift_it_by_their_sum(monkeypatch, whole):
+def test_babysteps_shift_print_on_two_boards_by_their_sum(monkeypatch, whole):
     card, wanted = whole
     with scenario(monkeypatch, card, "fast") as s:
         shift_by_babysteps(s, random.Random(1), wanted)

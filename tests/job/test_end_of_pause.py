@@ -37,7 +37,7 @@ def goes_on(s: Scenario, x: float, y: float, z: float) -> None:
     ("machine", "place"),
     [("delta", (-10, 5, 5)), ("delta", (40, 0, 165)), ("rotary-delta", (5, 5, 5))],
 )
-def test_arms_come_back_from_the_top(tmp_path, machine, place, first):
+def test_arms_return_from_the_top_after_a_pause(tmp_path, machine, place, first):
     with paused(machine, program(*place), tmp_path) as s:
         s.passes(15)
         for line in first:
@@ -48,7 +48,7 @@ def test_arms_come_back_from_the_top(tmp_path, machine, place, first):
 
 
 @pytest.mark.parametrize("gap_s", [0.0, 0.02, 0.05])
-def test_m24_before_m84_has_acted(tmp_path, gap_s):
+def test_m24_is_refused_while_m84_is_pending(tmp_path, gap_s):
     with paused("i3", program(50, 50, 5), tmp_path) as s:
         s.passes(10)
         s.host.send("M84")
@@ -64,7 +64,7 @@ def test_m24_before_m84_has_acted(tmp_path, gap_s):
         goes_on(s, 50, 54.95, 5)
 
 
-def test_m84_m24_and_g28_in_one_burst(tmp_path):
+def test_m84_m24_and_g28_sent_together(tmp_path):
     with paused("i3", program(50, 50, 5), tmp_path) as s:
         s.host.send("M84", "M24", "G28")
         Host(s).send("M24")
@@ -122,7 +122,7 @@ def test_aborted_homing_in_pause_of_unhomed_print(machine, tmp_path):
 
 
 @pytest.mark.parametrize("after", [0.0, 0.05, 0.1, 0.2])
-def test_axes_that_know_no_place_know_none_after_a_pause(after, tmp_path):
+def test_unhomed_axes_stay_unhomed_after_a_pause(after, tmp_path):
     (tmp_path / "a.g").write_text("M302 P1\nM83\nG1 E20 F120\nG1 E5\n")
     with Scenario("i3", card=str(tmp_path)) as s:
         s.host.ok("M32 a.g")

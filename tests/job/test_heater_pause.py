@@ -106,7 +106,7 @@ def test_print_stays_paused_if_hotend_was_switched_off(s, heats):
 
 
 @pytest.mark.parametrize("pause", ["M600", "G4 S0"])
-def test_an_answer_to_what_names_the_failure_rearms(s, pause):
+def test_answer_to_the_failure_question_rearms_heater(s, pause):
     """A host that has one line under way cannot send M922."""
     begin(s, "M109 S200", from_card=False)
     assert s.until(lambda: s.positions()["e"] > 3, 400)
@@ -133,7 +133,7 @@ def test_an_answer_to_what_names_the_failure_rearms(s, pause):
 
 
 @pytest.mark.parametrize(("from_card", "on"), [(True, "M24"), (False, "M108")])
-def test_a_bed_that_has_failed_is_done_without(s, from_card, on):
+def test_print_continues_without_a_failed_bed(s, from_card, on):
     other = begin(s, "M140 S40", "M109 S200", from_card=from_card)
     assert s.until(lambda: s.positions()["e"] > 3, 400)
     s.board.force_sensor("bed", OPEN)

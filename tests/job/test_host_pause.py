@@ -193,7 +193,7 @@ def test_laser_is_off_while_its_file_is_paused(tmp_path):
         assert s.board.output_value("laser") == 0
 
 
-def test_a_stop_in_the_pause_brings_nothing_back(s):
+def test_stop_in_a_pause_does_not_return_the_nozzle(s):
     s.host.send("M600")
     s.passes(10)
     parked = at(s)
@@ -325,7 +325,7 @@ def test_a_fault_on_an_idle_machine_moves_nothing(mild):
     s.host.ok("G1 X20 F6000")
 
 
-def test_a_halt_ends_it(mild):
+def test_halt_ends_the_pause_of_a_host_print(mild):
     s = mild
     s.host.send("G1 X100 F600")
     s.passes(1)

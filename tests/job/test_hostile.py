@@ -64,7 +64,7 @@ def test_a_pause_while_axes_home_comes_when_they_are_there(start, after):
     assert prints_to_its_end(s) == END["e"]
 
 
-def test_a_pause_that_is_taken_back_while_axes_home_is_none(start):
+def test_pause_cancelled_during_homing_does_not_pause(start):
     s = start(after=1.0)
     s.host.send("M25", "M24")
     assert prints_to_its_end(s) == END["e"]
@@ -72,7 +72,7 @@ def test_a_pause_that_is_taken_back_while_axes_home_is_none(start):
 
 @pytest.mark.parametrize("command", ["M600", "M601"])
 @pytest.mark.parametrize("stop", ["M524", "M410", "M25 M26"])
-def test_cancelled_on_the_way_to_a_pause_of_its_own(start, command, stop):
+def test_cancel_while_file_pause_is_pending(start, command, stop):
     """What was to come behind the moves that were cut does not come: nobody is asked, nor waits."""
     s = start(HEAD + f"G1 X100 Y100 F3000\nG1 X10 F900\n{command}\nG1 X90\n", after=14)
     assert not s.printer.rig.queue.standing
@@ -86,7 +86,7 @@ def test_cancelled_on_the_way_to_a_pause_of_its_own(start, command, stop):
     s.host.ok("G1 X90 F3000", 5)
 
 
-def test_cancelled_while_a_console_heats_in_a_pause(start):
+def test_cancel_while_a_console_heats_in_a_pause(start):
     s = start()
     other = Host(s)
     s.host.ok("M25")
@@ -106,7 +106,7 @@ def test_cancelled_while_a_console_heats_in_a_pause(start):
 M600 = HEAD + WAYS.replace("X20 Y40", "X20 Y40\nM600\nG1 X20 Y40")
 
 
-def test_cancelled_while_the_filament_is_changed(start):
+def test_cancel_during_filament_change(start):
     s = start(M600, after=0)
     s.host.expect("Change the filament", 60)
     s.passes(0.4)
@@ -122,7 +122,7 @@ def test_cancelled_while_the_filament_is_changed(start):
     prints_to_its_end(s)
 
 
-def test_halted_while_the_filament_is_changed(start):
+def test_halt_during_filament_change(start):
     """After M999 the file begins anew, also one that was read far ahead."""
     s = start(M600 + "; so that it is longer than what is read at once\n" * 1000, after=0)
     s.host.expect("Change the filament", 60)
@@ -154,7 +154,7 @@ def test_two_consoles_pause_and_resume_at_once(start):
 
 @pytest.mark.parametrize("moment", [0.0, 0.02, 0.1, 0.4, 1.5, 4.0])
 @pytest.mark.parametrize("again", [False, True])
-def test_cancelled_while_it_brakes_parks_or_returns(start, moment, again):
+def test_cancel_while_braking_parking_or_returning(start, moment, again):
     s = start()
     s.host.ok("M25")
     if again:
@@ -168,7 +168,7 @@ def test_cancelled_while_it_brakes_parks_or_returns(start, moment, again):
     prints_to_its_end(s)
 
 
-def test_cancelled_and_started_in_one_breath(start):
+def test_cancel_and_start_sent_together(start):
     s = start(HEAD + WAYS + "G1 E0\n" + WAYS)
     s.host.send("M524", "M24")
     s.passes(1)
@@ -203,7 +203,7 @@ def test_m410_in_a_pause_stops_only_what_moves_then(start):
     prints_to_its_end(s)
 
 
-def test_motors_off_in_a_pause(start):
+def test_print_resumes_after_motors_off_in_a_pause(start):
     """The print waits until the axes know again where they are."""
     s = start()
     s.host.ok("M25")
@@ -217,7 +217,7 @@ def test_motors_off_in_a_pause(start):
     prints_to_its_end(s)
 
 
-def test_moved_in_a_pause_of_a_print_without_z(start):
+def test_moves_in_a_pause_of_a_print_without_z(start):
     """Nothing parks, since Z does not know where it is; what was moved by hand goes back."""
     s = start(HEAD.replace("G28", "G28 X Y") + WAYS.replace(" Z1", ""))
     s.host.ok("M25")
@@ -229,7 +229,7 @@ def test_moved_in_a_pause_of_a_print_without_z(start):
     assert s.positions() == END | {"z": at["z"]}
 
 
-def test_homed_in_a_pause(start):
+def test_print_resumes_after_homing_in_a_pause(start):
     s = start()
     s.host.ok("M25")
     s.passes(5)

@@ -93,13 +93,13 @@ def approached(folder):
 
 
 @pytest.mark.parametrize("name", WALKS)
-def test_a_walk_takes_ways_of_the_table(tmp_path, name):
+def test_random_walk_uses_only_table_transitions(tmp_path, name):
     seen = walked(tmp_path / name, WALKS[name])
     assert seen
     assert all(now in (TRANSITIONS | PAUSES)[was] for was, now in seen)
 
 
-def test_each_way_of_the_table_is_walked(tmp_path):
+def test_each_transition_of_the_job_table_is_used(tmp_path):
     seen = set()
     for name, steps in WALKS.items():
         seen |= walked(tmp_path / name, steps)
@@ -108,7 +108,7 @@ def test_each_way_of_the_table_is_walked(tmp_path):
     assert seen == table
 
 
-def test_another_way_is_a_fault_of_the_program(tmp_path):
+def test_undefined_job_transition_raises(tmp_path):
     walk = Walk(tmp_path)
     with walk.s, pytest.raises(RuntimeError, match="from NONE to PAUSED"):
         walk.s.assembly.services.jobs.runner._states.enter(JobState.PAUSED)

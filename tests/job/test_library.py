@@ -43,7 +43,7 @@ def test_ideal_times_of_steps_are_those_of_a_print(tmp_path, name):
         assert times == [tick / trace.clock_hz for tick in trace.ideal[stepper]]
 
 
-def test_a_motor_that_is_not_there():
+def test_unknown_motor_of_step_times_is_named():
     machine = passo.Machine.load("i3")
     with pytest.raises(ValueError, match="there is no motor 'y1', but x, y, z, e"):
         next(machine.step_times_s(iter(()), "y1"))

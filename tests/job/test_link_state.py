@@ -86,11 +86,11 @@ def test_events_lead_to_link_states(happens, monkeypatch):
         assert seen == [UP, *WALKS[happens]]
 
 
-def test_these_are_all_ways_of_the_table():
+def test_link_state_table_has_all_transitions():
     walked = {way for states in WALKS.values() for way in zip([UP, *states], states, strict=False)}
     assert walked == {(was, now) for was, ways in TRANSITIONS.items() for now in ways}
 
 
-def test_another_way_is_a_fault_of_the_program():
+def test_undefined_link_transition_raises():
     with Scenario(FIRMWARE) as s, pytest.raises(RuntimeError, match="from CONNECTED to RESTARTING"):
         s.printer.supervisor._enter(STARTS)

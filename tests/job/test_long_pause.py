@@ -70,7 +70,7 @@ def test_target_set_in_pause_holds(s, command, celsius):
     assert targets(s)["hotend"] == celsius
 
 
-def test_a_host_that_has_gone_is_not_warmed_for(s):
+def test_printer_does_not_reheat_for_a_host_that_left(s):
     other = Host(s)
     other.send("M0")
     s.passes(LONG_S)

@@ -84,7 +84,7 @@ def gone_back(monkeypatch):
 
 
 @pytest.mark.parametrize("board", [MAIN, "tool"])
-def test_a_break_within_the_round_trip_of_a_commit(monkeypatch, tmp_path, gone_back, board):
+def test_link_loss_within_the_round_trip_of_a_commit(monkeypatch, tmp_path, gone_back, board):
     """The other board gets the word that makes a commit valid, and this one does not."""
     with scenario(monkeypatch, tmp_path, "far") as s:
         s.host.ok("M302 P1")
@@ -198,7 +198,7 @@ def test_noise_on_either_cable(monkeypatch, undisturbed, seed):
         assert steps(s) == wanted
 
 
-def test_a_cable_far_away_stops_nothing(monkeypatch, undisturbed):
+def test_high_latency_cable_stops_nothing(monkeypatch, undisturbed):
     """Each commit waits for what is to be acknowledged by both boards."""
     card, wanted = undisturbed
     with scenario(monkeypatch, card, "far") as s:
@@ -305,7 +305,7 @@ def test_a_board_that_is_lost_while_axes_home_stops_them(monkeypatch, tmp_path):
         assert faults(s) == []
 
 
-def test_with_another_firmware_on_one_board_all_stop(monkeypatch):
+def test_board_without_survive_stops_all_boards(monkeypatch):
     keys, cable = WORLDS["fast"]
     monkeypatch.setattr("passo.printer.printer.connect", partial(connect_simulated, cable=cable))
     machine = two_boards(*keys, firmware="passo")
@@ -336,7 +336,7 @@ def test_a_pause_while_a_board_is_waited_for_keeps_what_is_held(monkeypatch, und
 
 @pytest.mark.parametrize("world", ["fast", "slow"])
 @pytest.mark.parametrize("board", [MAIN, "tool"])
-def test_both_brake_on_the_path(monkeypatch, tmp_path, world, board):
+def test_both_boards_brake_on_the_path(monkeypatch, tmp_path, world, board):
     with scenario(monkeypatch, tmp_path, world) as s:
         s.host.ok("G92 X0 Y0 Z0")
         s.host.send("G1 X100 Z20 F600")

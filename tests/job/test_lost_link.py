@@ -145,7 +145,7 @@ def test_laser_is_off_until_the_machine_moves(code, lost):
 
 
 @pytest.mark.parametrize("delay", [0.06, 0.24, 1.0])
-def test_a_pause_that_the_link_does_not_outlive(whole, delay):
+def test_link_lost_during_a_pause_resumes_at_same_steps(whole, delay):
     card, wanted = whole
     with Scenario(FIRMWARE, card=str(card)) as s:
         s.host.ok("M32 a.g")

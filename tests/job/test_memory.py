@@ -58,7 +58,7 @@ JOBS = {
 
 @pytest.mark.parametrize("text", JOBS.values(), ids=JOBS)
 @pytest.mark.parametrize("machine", ["i3", "dual-extruder", "laser"])
-def test_print_is_freed_at_once(machine: str, text: str, tmp_path: Path) -> None:
+def test_finished_print_frees_its_memory_at_once(machine: str, text: str, tmp_path: Path) -> None:
     path = tmp_path / "p.gcode"
     path.write_text(text)
     it = config.load(machine)

@@ -213,7 +213,7 @@ def test_a_cancelled_object_stays_so_after_a_power_cut(places):
         assert 100 not in [x for _, x in laid.lines]
 
 
-def test_orders_that_fail_name_the_reason(places):
+def test_failed_object_commands_name_the_reason(places):
     with Scenario("i3", **places) as s:
         wrong = "echo:no file that labels its objects is being printed"
         assert s.host.ok("M486 P0")[0].startswith(wrong)

@@ -180,7 +180,7 @@ def test_only_the_macros_move_the_nozzle_in_a_pause(printing, line, parked):
 
 
 @pytest.mark.parametrize("change", [NO_PARK, BROKEN])
-def test_a_macro_that_leaves_the_nozzle_there_has_it_parked(printing, change):
+def test_pause_macro_that_does_not_move_still_parks(printing, change):
     s = printing(change)
     (was, at), top = after(s, "PAUSE"), s.machine.park.raise_mm
     assert (was, at[2]) == ("PAUSED", pytest.approx(0.6 + top))

@@ -108,7 +108,7 @@ def test_a_board_that_cannot_be_reached_again_is_switched_off(printing, monkeypa
     s.host.expect("ready again", 5)
 
 
-def test_m112_in_that_moment_halts_it_cold(printing, monkeypatch):
+def test_m112_during_pause_for_lost_position_halts(printing, monkeypatch):
     s = printing
     tell = s.printer.state.tell
 

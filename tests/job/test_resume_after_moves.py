@@ -92,7 +92,7 @@ def test_resume_after_homing_without_offset_of_print(places, tmp_path, tries):
 
 
 @pytest.mark.parametrize("seconds", [1.0, 6.0])
-def test_no_other_console_takes_its_file_away_meanwhile(places, left, tmp_path, seconds):
+def test_file_cannot_be_changed_during_m1000(places, left, tmp_path, seconds):
     (tmp_path / "card" / "b.g").write_text("G4 P100\n")
     with again(places, left) as s:
         s.host.send("M1000")
@@ -106,7 +106,7 @@ def test_no_other_console_takes_its_file_away_meanwhile(places, left, tmp_path, 
         assert s.positions()["e"] == pytest.approx(14.7, abs=0.1)
 
 
-def test_m524_ends_it(places, left):
+def test_m524_ends_the_resume(places, left):
     with again(places, left) as s:
         s.host.ok("M140 S60")
         tried(s, 3.0, "M524")
@@ -142,7 +142,7 @@ def test_motors_off_since_homing_give_no_position(places, left):
 
 @pytest.mark.parametrize("seconds", [0.3, 1.5, 6.0])
 @pytest.mark.parametrize("end", ["M410", "M112"])
-def test_a_try_that_was_stopped_has_lifted_the_nozzle(places, left, seconds, end):
+def test_stopped_resume_leaves_the_nozzle_lifted(places, left, seconds, end):
     with again(places, left) as s:
         tried(s, seconds, end)
         if end == "M112":
@@ -241,7 +241,7 @@ def test_a_pause_in_m1000_can_be_taken_back(places, left):
         assert "// action:paused" not in s.host.heard
 
 
-def test_a_pause_in_m1000_that_is_stopped_means_nothing_later(places, left):
+def test_pause_in_a_stopped_m1000_is_forgotten(places, left):
     with again(places, left) as s:
         paused_on_its_way(s).ok("M524")
         s.host.expect("stopped", 30)

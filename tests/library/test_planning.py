@@ -26,7 +26,7 @@ class Broken(BytesIO):
         return super().read(size)
 
 
-def test_the_process_returns_verdict_and_path():
+def test_planning_process_returns_verdict_and_path():
     paths = []
     found = Planning(VERDICT, BytesIO(TEXT), len(TEXT), paths.append).run()
     assert (found.problems, found.estimate.moves) == ((), 200_000)

@@ -41,7 +41,7 @@ def live(main, machine="i3", clock="virtual", **options):
     return passo.run(within(), clock=clock)
 
 
-def test_replies_hold_what_a_command_answers():
+def test_replies_contain_the_answer_of_a_command():
     async def main(printer):
         return [await printer.send(line) for line in ("M105", "M114", "G28", "; nothing", "M117 µ")]
 
@@ -265,7 +265,7 @@ def test_pause_resume_and_cancel_from_another_task(part):
     assert summary.print_s < 20
 
 
-def test_files_that_cannot_be_printed(part, tmp_path):
+def test_files_that_cannot_be_printed_are_refused(part, tmp_path):
     (tmp_path / "empty.gcode").touch()
 
     async def main(printer):
@@ -334,7 +334,7 @@ def test_printers_of_one_process_do_not_disturb_each_other(part):
     assert together[1] == passo.Machine.load("mk3s").print(part).final_steps["x"]
 
 
-def test_nothing_is_left_after_the_block(part):
+def test_no_thread_or_file_is_left_after_the_block(part):
     part.write_text("M109 S200\n" + PART)
 
     async def main():

@@ -61,7 +61,7 @@ def test_the_sum_of_all_shifts_is_made_in_steps(spec, path, shifts, sent):
 
 @given(paths, SHIFTS, st.floats(0, 1))
 @settings(max_examples=30, deadline=None)
-def test_where_the_way_is_measured_in_steps(path, shifts, sent):
+def test_babysteps_under_cornering_distance(path, shifts, sent):
     motion = Motion(aprinter(), True)
     end = push_all(motion, path)
     messages, _, sums = shifted(motion, shifts, sent)
@@ -91,7 +91,7 @@ def test_on_a_delta_every_carriage_follows(path, shifts, sent):
         assert abs(made - heights[i] * row["steps_per_unit"]) <= 0.5 + 1e-6
 
 
-def test_a_long_line_leans_over_at_its_speed():
+def test_babystep_is_spread_over_a_long_line():
     # Z may take 100 mm/s², a thirtieth of what X takes: the slope is 1/40, 0.1 mm need 4 mm.
     motion = Motion(cartesian(), True)
     motion.push([200, 0, 0, 0], 100.0)
@@ -124,7 +124,7 @@ def test_babystep_without_room_is_a_move_of_its_own():
 
 
 @pytest.mark.parametrize(("mm", "ends"), [(2.0, (50.95, 52.0)), (-2.0, (50.0, 48.0))])
-def test_a_move_that_would_become_shorter_does_not_lean(mm, ends):
+def test_babystep_never_shortens_a_move(mm, ends):
     """Else the way to brake might not suffice."""
     motion = Motion(cartesian(), True)
     motion.push([0, 0, 50, 0], 10.0)

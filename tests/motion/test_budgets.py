@@ -169,7 +169,7 @@ def zigzag(mm, moves, turn):
     "mm, turn",
     [(0.02, 0.3), (0.05, 2.0), (0.2, 2.0), (0.2, 0.05), (0.5, 2.0), (1.0, 0.2), (3.0, 2.0)],
 )
-def test_a_link_with_a_burst_of_35_ms_is_kept_to(accel, z_accel, mm, turn):
+def test_link_budget_with_35_ms_burst_is_respected(accel, z_accel, mm, turn):
     """From 600 commands a second on, whatever the file asks; nothing is late by 60 ms."""
     for rate in (600.0, 1174.0):
         spec = machine(accel, budget=budget(commands_s=rate, burst=0.035 * rate))
@@ -180,7 +180,7 @@ def test_a_link_with_a_burst_of_35_ms_is_kept_to(accel, z_accel, mm, turn):
 
 
 @pytest.mark.parametrize("name", ["delta", "rotary-delta", "scara"])
-def test_lines_of_curved_motors_keep_to_a_link(name):
+def test_link_budget_holds_for_nonlinear_motors(name):
     """They cost it commands all along."""
     rate = 600.0
     spec = config.load(name).core_spec()
@@ -323,7 +323,7 @@ def with_room_for_once():
 
 
 @pytest.mark.parametrize("settled", [True, False])
-def test_a_cut_gives_back_what_is_planned_again(settled):
+def test_cut_returns_the_budget_of_revoked_moves(settled):
     motion, targets, _ = with_room_for_once()
     for target in targets:
         motion.push(target, 300.0, "print")

@@ -61,7 +61,7 @@ def test_filament_ends_where_the_oracle_does(spec, path, where, factor, sent):
 @given(paths, CHANGES, st.floats(0, 1))
 @settings(max_examples=60, deadline=None)
 @pytest.mark.parametrize("spec", [cartesian(), aprinter()])
-def test_any_changes_leave_the_other_axes_alone(spec, path, changes, sent):
+def test_flow_changes_do_not_alter_other_axes(spec, path, changes, sent):
     motion = Motion(spec, True)
     end = push_all(motion, path)
     messages, _ = changed(motion, changes, sent)
@@ -72,7 +72,7 @@ def test_any_changes_leave_the_other_axes_alone(spec, path, changes, sent):
     assert sum(d for _, d in oracle.executed_ticks(messages, 3)) == motion.counts()[3]
 
 
-def test_half_the_flow_from_the_midst_of_a_line():
+def test_flow_halved_within_a_line():
     # 10 mm/s: 1/600 mm to reach, and as much to brake, of which filament moves a twentieth.
     motion = Motion(cartesian(), True)
     motion.push([100, 0, 0, 5], 10.0, "print")
@@ -90,7 +90,7 @@ def test_half_the_flow_from_the_midst_of_a_line():
     assert second.end_mm[3] == pytest.approx(2.5 + 1.25)
 
 
-def test_filament_that_would_jump_slows_the_line_down_first():
+def test_flow_step_slows_the_line_down_first():
     # 0.05 mm of filament a mm: at 100 mm/s four times as much is a jump by 15 mm/s; 1 is allowed.
     motion = Motion(cartesian(), True)
     motion.push([200, 0, 0, 10], 100.0, "print")
@@ -114,7 +114,7 @@ def test_moves_outside_programs_keep_their_length():
     assert [m.end_mm[3] for m in motion.take_moves()] == [2.5, 0.5]
 
 
-def test_held_motion_changes_too():
+def test_flow_change_applies_to_held_moves():
     motion = Motion(cartesian(), True)
     motion.push([100, 0, 0, 5], 10.0, "print")
     motion.flush()

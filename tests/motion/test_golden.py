@@ -34,7 +34,7 @@ def planned(spec, moves, feed=100.0):
         (135, 800.0, 0.1, 7.04),
     ],
 )
-def test_junction_deviation(deflection, accel, deviation, speed):
+def test_junction_deviation_limits_corner_speed(deflection, accel, deviation, speed):
     spec = cartesian(print_accel=accel, travel_accel=accel, junction_deviation=deviation)
     a = radians(deflection)
     end = [50 + 50 * cos(a), 50 * sin(a), 0, 0]
@@ -90,7 +90,7 @@ def test_a_slower_axis_has_slower_square_corners():
         (180, 10.0),
     ],
 )
-def test_classic_jerk(deflection, speed):
+def test_classic_jerk_limits_corner_speed(deflection, speed):
     a = radians(deflection)
     end = [50 + 50 * cos(a), 50 * sin(a), 0, 0]
     moves, _ = planned(cartesian(junction="jerk"), [{"target": [50, 0, 0, 0]}, {"target": end}])
@@ -163,7 +163,7 @@ TIMES = {
 
 
 @pytest.mark.parametrize("name", TIMES)
-def test_cornering_distance_times(name):
+def test_cornering_distance_gives_aprinters_times(name):
     points, seconds = TIMES[name]
     _, total = planned(aprinter(), [{"target": [*p, 0, 0]} for p in points])
     assert total == pytest.approx(seconds, abs=1e-3)
@@ -178,7 +178,7 @@ def test_a_dwell_between_moves_stops_the_machine():
     assert planned(aprinter(), moves)[1] == pytest.approx(0.5333, abs=1e-3)
 
 
-def test_a_slower_move_follows():
+def test_slower_next_move_limits_the_end_speed():
     moves = [{"target": [10, 0, 0, 0]}, {"target": [20, 0, 0, 0], "feed_mm_s": 20.0}]
     assert planned(aprinter(), moves)[1] == pytest.approx(0.6616, abs=1e-3)
 
@@ -188,7 +188,7 @@ def test_the_extruder_limits_acceleration_and_corner():
     assert planned(aprinter(), moves)[1] == pytest.approx(0.2948, abs=1e-3)
 
 
-def test_a_polygon_of_36_corners():
+def test_polygon_of_36_corners_takes_its_golden_time():
     points = [[20 * cos(2 * pi * i / 36), 20 * sin(2 * pi * i / 36)] for i in range(1, 37)]
     moves = [{"target": [20, 0, 0, 0], "feed_mm_s": 1000.0}]
     moves += [{"target": [*p, 0, 0]} for p in points]
@@ -204,7 +204,7 @@ def test_a_polygon_of_36_corners():
 
 
 @pytest.mark.parametrize(("feed", "fastest"), [(54.9, 50.0), (55.1, 55.1), (200.0, 200.0)])
-def test_a_small_gain_of_speed_is_not_worth_it(feed, fastest):
+def test_small_gains_of_speed_are_skipped(feed, fastest):
     """A tenth more than the faster end, which is 50 mm/s."""
     ways = [(50, 50.0), (70, feed), (120, 50.0)]
     moves, _ = planned(

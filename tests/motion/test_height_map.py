@@ -181,7 +181,7 @@ def test_a_plane_is_the_path_raised_by_it():
         assert abs(t - wanted) <= 65
 
 
-def test_z_keeps_to_its_speed_above_a_steep_bed():
+def test_z_speed_stays_within_limit_above_a_steep_bed():
     motion = Motion(cartesian())
     steep = [[0.0, 3.0, 0.0, 3.0], [0.0, 3.0, 0.0, 3.0]]
     motion.set_height_map((0.0, 0.0), (10.0, 10.0), steep)
@@ -215,7 +215,7 @@ def test_a_cut_above_the_bed_loses_nothing(seed):
         assert net == count - begin[i]
 
 
-def test_a_flat_bed_again():
+def test_removing_the_height_map_moves_no_motor():
     motion, plain = Motion(cartesian()), Motion(cartesian())
     motion.set_height_map(FIRST, SPACING, HEIGHTS)
     motion.set_height_map((0, 0), (1, 1), [])

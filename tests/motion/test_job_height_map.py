@@ -61,7 +61,7 @@ def test_height_of_the_nozzle_and_z_of_the_plan_are_inverse(job):
         assert job.bed.plan_z(80.0, 30.0, height) == pytest.approx(z, abs=1e-12)
 
 
-def test_bed_is_that_below_the_nozzle_of_the_tool():
+def test_bed_height_is_taken_below_the_active_nozzle():
     job = Job(config.load("dual-extruder").core_spec(), True, False, False)  # T1: 25 mm in X
     job.axes.set([(0, 0.0), (1, 0.0), (2, 5.0)], True)
     job.bed.set_height_map(*PLANE)

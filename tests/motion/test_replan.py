@@ -151,7 +151,7 @@ def test_the_new_limit_holds_after_braking():
     assert move.end_speed == 0.0
 
 
-def test_a_record_that_is_revoked_comes_again():
+def test_revoked_record_is_sent_again():
     motion = Motion(cartesian(), True)
     motion.push([100, 0, 0, 0], 50.0)
     motion.record(2, 7)
@@ -312,7 +312,7 @@ def test_a_move_that_is_held_counts_once():
     assert job.results.statistics()["moves"] == 2
 
 
-def test_moves_after_those_that_were_held_have_the_rules_of_now():
+def test_moves_after_held_ones_use_current_limits():
     motion = Motion(cartesian(), True)
     motion.push([100, 0, 0, 0], 10.0)
     motion.flush()
@@ -324,7 +324,7 @@ def test_moves_after_those_that_were_held_have_the_rules_of_now():
     assert [m.cruise_speed for m in motion.take_moves()[-2:]] == pytest.approx([10.0, 20.0])
 
 
-def test_the_line_under_way_is_that_of_the_new_plan():
+def test_current_line_follows_the_new_plan():
     job = Job(load("i3").core_spec())
     assert job.history.line_at(0) == 0
     job.feed(b"G1 X50 F600\n" + b"".join(b"G1 X%d\n" % x for x in range(60, 150, 10)))
@@ -430,7 +430,7 @@ def test_suspended_job_is_shifted_from_stop_to_end(axis):
         assert motor["net"] == mm * motor["steps_per_unit"]
 
 
-def test_the_way_over_to_what_is_held_keeps_its_acceleration():
+def test_move_to_the_held_plan_keeps_its_acceleration():
     motion = Motion(cartesian(), True)
     motion.push([10, 0, 0, 0], 50.0)
     motion.flush()

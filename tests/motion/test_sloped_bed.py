@@ -85,7 +85,7 @@ def test_no_motor_exceeds_its_limits(name, bed):
     assert max(*fastest, *hardest) > 0.25  # and not for nothing
 
 
-def test_a_bed_is_steepest_where_both_ways_are():
+def test_steepest_slope_combines_x_and_y():
     """By 0.3 in X and by 0.2 in Y at one corner, of the 12 mm/s that Z may go."""
     motion = Motion(cartesian(), False)
     motion.set_height_map((0, 0), (10, 10), [[0, 1], [0, 3]])

@@ -171,7 +171,7 @@ def test_moves_are_settled_as_they_come():
             assert len(settled) <= (i + 1) // 256 * 256
 
 
-def test_of_a_plan_that_only_speeds_up_the_older_half_is_settled():
+def test_half_of_an_accelerating_plan_is_settled():
     """At 8192 moves, so that no file fills the memory."""
     motion = Motion(cartesian(), False)
     for i in range(8448):

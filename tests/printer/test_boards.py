@@ -91,7 +91,7 @@ def test_a_board_that_is_lost_stops_the_other(printer):
     assert all(board.device.fault for board in s.board.boards.values())
 
 
-def test_an_emergency_stop_is_for_all_boards(printer):
+def test_emergency_stop_reaches_all_boards(printer):
     s = printer
     moving(s)
     s.host.send("M112")

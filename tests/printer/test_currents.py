@@ -41,13 +41,13 @@ def test_each_motor_gets_its_own_and_others_stay_in_the_middle(firmware):
     connection.close()
 
 
-def test_nothing_is_wired_where_nothing_is_set():
+def test_digipot_without_currents_is_not_written():
     _, simulated = connect_simulated(config.load_text(with_currents()))
     (board,) = simulated.boards.values()
     assert board.digipots == []
 
 
-def test_a_current_that_the_board_cannot_set():
+def test_impossible_motor_current_is_refused():
     for ampere in (1.895, 0.007):  # 255.1 steps, and 0.9
         with pytest.raises(ConfigError, match=rf"is {ampere}: expected 0\.008 to 1\.89 A"):
             config.load_text(with_currents(y=ampere))

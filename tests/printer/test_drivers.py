@@ -441,7 +441,7 @@ def set_to(s):
     }
 
 
-def test_each_of_two_motors_of_an_axis_has_its_own(tmp_path):
+def test_each_motor_of_an_axis_has_its_own_current(tmp_path):
     meant = {"x": (800, True), "y": (800, False), "z": (600, False), "left": (900, True)}
     meant["e"] = (1200, False)
     with Scenario(machine(DRIVERS + SECOND_Z), state=str(tmp_path)) as s:
@@ -472,7 +472,7 @@ def test_each_of_two_motors_of_an_axis_has_its_own(tmp_path):
         ("M569 S1", "xyze"),
     ],
 )
-def test_a_mode_is_that_of_the_letters(s, line, stealthy):
+def test_m569_sets_modes_of_named_motors(s, line, stealthy):
     s.host.ok("M569 S0")
     lines = s.host.ok(line)
     assert [m for m, (_, stealth) in set_to(s).items() if stealth] == list(stealthy)
@@ -485,7 +485,7 @@ def test_currents_are_set_all_or_none(s):
     assert set_to(s)["x"] == (800, True)
 
 
-def test_a_flag_that_is_kept_of_what_is_over_halts_nothing(s):
+def test_old_driver_fault_flag_does_not_halt(s):
     s.host.ok("G28", 60)
     s.host.ok("M84")
     s.board.drivers["e"].set(r.GSTAT, 4)  # its charge pump had too little voltage once

@@ -61,13 +61,13 @@ def test_kickstart_acts_on_large_rise(rise, kicked):
         assert [v for _, v in changes(s)] == [102, 229, 30, *last]
 
 
-def test_full_power_needs_no_more(s):
+def test_fan_at_full_power_has_no_kickstart(s):
     s.host.ok("M106")
     s.passes(2)
     assert changes(s) == [(0, 255)]
 
 
-def test_a_word_in_the_midst_of_it_counts_when_it_is_over(s):
+def test_value_during_kickstart_acts_after_it(s):
     s.host.ok("M106 S51 F")
     s.passes(0.1)
     s.host.ok("M106 S100 F")
@@ -75,7 +75,7 @@ def test_a_word_in_the_midst_of_it_counts_when_it_is_over(s):
     assert [c for c in changes(s) if c[1] != 255] == [(HZ // 2, 100)]
 
 
-def test_off_is_off_at_once(s):
+def test_fan_off_during_kickstart_acts_at_once(s):
     s.host.ok("M106 S51 F")
     s.passes(0.2)
     s.host.ok("M107 F")
@@ -85,7 +85,7 @@ def test_off_is_off_at_once(s):
     assert 0.1 < end / HZ < 0.21
 
 
-def test_the_most_power_is_the_fans_own():
+def test_kickstart_uses_the_fans_maximum_power():
     with Scenario(machine(f"{KICK}\nmax_power = 0.8\noff_below = 0.1")) as s:
         s.board.trace_output("part")
         s.host.ok("M106 S25")  # less than a tenth

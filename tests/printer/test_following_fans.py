@@ -48,7 +48,7 @@ def test_a_fan_is_on_while_a_motor_is_and_a_while_longer(s):
     assert s.until(lambda: not on(s), 1)
 
 
-def test_a_move_turns_it_on_and_other_motors_do_not(s):
+def test_motor_fan_starts_with_its_motor_only(s):
     s.host.ok("M17 X Y")
     s.passes(5)
     assert not on(s)
@@ -57,7 +57,7 @@ def test_a_move_turns_it_on_and_other_motors_do_not(s):
     assert s.until(lambda: on(s), 1)
 
 
-def test_commands_do_not_reach_it_and_it_comes_back_after_a_halt(s):
+def test_motor_fan_ignores_commands_and_survives_halt(s):
     s.host.ok("M106 S255")
     s.passes(1)
     assert not on(s)

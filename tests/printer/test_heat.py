@@ -33,7 +33,7 @@ def test_m108_ends_a_wait_and_keeps_the_target(s):
     assert heater(s).celsius < 100
 
 
-def test_a_target_takes_effect_after_the_moves_before_it(s):
+def test_target_acts_after_the_moves_before_it(s):
     s.host.ok("G92 X0 Y0 Z0")
     s.host.send("G1 X50 F600", "M104 S150")
     s.passes(3)
@@ -140,7 +140,7 @@ def test_presets_stay_below_the_limits(s):
     assert "S is 5: expected 0 to 2" in s.host.ok("M145 S5")[0]
 
 
-def test_a_material_is_heated_for(s):
+def test_material_preset_heats_hotend_and_bed(s):
     s.host.ok("M145 S2 H205 B55")
     heaters = s.printer.rig.connection.heaters
     s.host.ok("M104 I2")

@@ -23,7 +23,7 @@ TWO_BEDS = TWO_BEDS.replace(SECOND, FIRST)
         (TWO_BEDS, {"hotend": 0, "hotend1": -1, "bed": None}),
     ],
 )
-def test_settings_fed_back_reach_the_heaters_that_they_come_from(text, numbers):
+def test_reported_settings_apply_to_the_same_heaters(text, numbers):
     machine = config.load_text(text)
     assert {name: number_of(machine, name) for name in machine.heaters} == numbers
     with Scenario(machine) as s:

@@ -62,7 +62,7 @@ def test_height_of_m851_is_that_of_the_home():
         assert nozzle_above_bed(s) == pytest.approx(10.0 - wrong, abs=2 * STEP)
 
 
-def test_place_and_kind_of_the_probe_are_free():
+def test_probe_homing_works_at_any_point_and_kind():
     servo = 'kind = "servo"\ncontrol_pin = "SERVO0"\ndeploy_deg = 10.0\nstow_deg = 90.0'
     home = _PROBE + "probe_at_mm = [60.0, 50.0]\n"
     with Scenario(load_text(text(('kind = "fixed"', servo), home=home))) as s:
@@ -72,7 +72,7 @@ def test_place_and_kind_of_the_probe_are_free():
         assert nozzle_above_bed(s) == pytest.approx(10.0, abs=2 * STEP)
 
 
-def test_z_alone_needs_x_and_y():
+def test_homing_z_alone_requires_x_and_y():
     with Scenario(load_text(text())) as s:
         (said, _) = s.host.ok("G28 Z", 60)
         assert said.startswith("echo:axis X is not homed")
@@ -99,7 +99,7 @@ def test_probe_that_never_triggers_leaves_z_unhomed():
         (_PROBE + "probe_at_mm = [1.0, 1.0]\n", "where the probe is on the bed"),
     ],
 )
-def test_machine_file_that_cannot_home_by_its_probe(home, message):
+def test_machine_file_with_unreachable_probe_home(home, message):
     with pytest.raises(ConfigError) as caught:
         load_text(text(home=home))
     assert any(message in problem.sentence for problem in caught.value.problems)

@@ -59,7 +59,7 @@ def stops(monkeypatch, cable):
         return -min(found)
 
 
-def test_a_motor_runs_on_for_the_way_of_the_news(monkeypatch):
+def test_motor_on_other_board_stops_after_link_delay(monkeypatch):
     at_once = stops(monkeypatch, Cable(1e-4, 0.0))
     late = stops(monkeypatch, Cable(5e-3, 0.0))
     # 5 ms from the switch's board, 5 ms to the motor's.

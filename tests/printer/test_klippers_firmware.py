@@ -112,7 +112,7 @@ def test_a_board_that_was_reset_has_its_drivers_set_up_again(s: Scenario, board:
     assert_there(s, board)
 
 
-def test_a_board_that_holds_less_than_was_planned_with(
+def test_board_with_smaller_move_queue_is_refused(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     board = Board(dictionary(chip="stm32", newer=True))
@@ -132,7 +132,7 @@ def test_second_start_resets_a_configured_board(board: Board, tmp_path: Path) ->
     assert board.wrong == []
 
 
-def test_a_board_without_a_command_to_reset_it(
+def test_board_without_reset_command_is_named(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     told = dictionary(chip="avr", newer=False)
@@ -147,7 +147,7 @@ def test_a_board_without_a_command_to_reset_it(
     assert board.is_config == 1
 
 
-def test_a_board_that_restarts_unexpectedly(s: Scenario, board: Board) -> None:
+def test_unexpected_board_restart_halts(s: Scenario, board: Board) -> None:
     s.host.ok("G28", 60)
     s.host.send("G1 X50 F600")
     s.passes(1)
@@ -166,7 +166,7 @@ def test_a_board_that_restarts_unexpectedly(s: Scenario, board: Board) -> None:
 @pytest.mark.parametrize(
     ("motor", "chip"), [("y", "TMC2209 on PB12"), ("z", "TMC2130 on PB13")], ids=("uart", "spi")
 )
-def test_a_driver_that_is_not_there_lets_nothing_move(
+def test_missing_driver_prevents_motion(
     motor: str, chip: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     board = Board(dictionary(chip="stm32", newer=True))

@@ -97,7 +97,7 @@ def test_m3_after_m4_stays_as_set(s):
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_disturbances_change_no_energy(s, seed):
+def test_disturbed_print_has_the_same_laser_energy(s, seed):
     """Other feed rates from the very place where the board is, at random moments."""
     chance = random.Random(seed)
     beam = Beam(s)
@@ -137,7 +137,7 @@ def test_disturbances_leave_m3_unchanged(s, seed):
 
 
 @pytest.mark.parametrize("stop", ["M410", "M25"])
-def test_a_stop_takes_the_laser_s_power(tmp_path, stop):
+def test_stop_turns_the_laser_off(tmp_path, stop):
     """M3 is for a head that moves: one that was stopped would burn a hole."""
     (tmp_path / "a.gco").write_text("G92 X0 Y0 Z0\nM3 S400\nG1 X200 F3000\nM3 S800\nG1 X0\nM5\n")
     with Scenario("laser", card=str(tmp_path)) as s:

@@ -191,7 +191,7 @@ def test_laser_is_off_while_waiting_for_user(s):
     assert share(s) == 0.0
 
 
-def test_a_loop_of_its_own_time_stops_too():
+def test_laser_off_stops_private_event_loop():
     with Scenario("laser", free=True) as s:
         s.host.ok("M410")
         s.passes(2.0)

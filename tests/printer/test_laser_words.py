@@ -89,7 +89,7 @@ def test_a_dwell_of_too_much_energy_is_refused(s):
 
 
 @pytest.mark.parametrize("end", ["M5", "M410"])
-def test_a_density_ends_with_the_laser(s, end):
+def test_laser_off_resets_power_per_mm(s, end):
     s.host.send("G1 X40 F600 M0.1")
     s.passes(1)
     s.host.send(end)

@@ -16,7 +16,7 @@ LEVELS = {1: (0, 0), 2: (1, 0), 4: (0, 1), 16: (1, 1)}
 
 @pytest.mark.parametrize("firmware", ["virtual", "passo"])
 @pytest.mark.parametrize("microsteps", LEVELS)
-def test_a_socket_gets_the_levels_of_its_motor(microsteps, firmware):
+def test_microstep_pins_have_the_levels_of_the_motor(microsteps, firmware):
     text = FOUR_PI.replace('socket = "Y"', f'socket = "Y"\nmicrosteps = {microsteps}')
     machine = config.load_text(f'{text}firmware = "{firmware}"\n')
     connection, simulated = connect_simulated(machine)
@@ -31,7 +31,7 @@ def test_a_socket_gets_the_levels_of_its_motor(microsteps, firmware):
     assert levels == LEVELS[microsteps]
 
 
-def test_on_another_board_too():
+def test_microstep_pins_on_a_further_board_are_set():
     text = FOUR_PI.replace('socket = "Z"', 'socket = "tool:X"\nmicrosteps = 2')
     text += '\n[boards.tool]\nbase = "4pi"\n'
     outputs = {o.name: o.pin for o in board_description(config.load_text(text), "tool").outputs}

@@ -34,7 +34,7 @@ def test_lock_is_granted_in_the_order_of_asking(run):
     assert "".join(order) == "abcabcabc"
 
 
-def test_nobody_is_overtaken_by_who_only_takes(run):
+def test_take_does_not_overtake_waiting_tasks(run):
     async def body():
         lock = MotionLock()
         assert lock.try_acquire()

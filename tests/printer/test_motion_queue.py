@@ -66,7 +66,7 @@ def test_moves_that_come_too_late_start_again_and_lose_nothing(s):
     assert s.positions()["x"] == 25.0
 
 
-def test_a_plan_that_reaches_far_ahead_takes_no_more(s):
+def test_full_plan_accepts_no_more_lines(s):
     s.host.send(*(f"G1 X{20 + i % 2 * 50} F3000" for i in range(40)))  # 1 s each, and more
     s.passes(0.5)
     acknowledged = sum(x.startswith("ok") for x in s.host.heard) - 1
@@ -254,7 +254,7 @@ def test_free_time_passes_for_an_emergency_stop():
         assert s.printer.rig.job.locked_axes == []
 
 
-def test_reviving_twice_counts_once():
+def test_two_restarts_count_as_one():
     with Scenario("i3") as s:
         s.host.ok("M112")
         s.host.expect("Printer halted", 5)

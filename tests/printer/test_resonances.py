@@ -156,7 +156,7 @@ def test_a_simulated_chip_answers_on_a_bus_of_the_chip(chip: str, bus: str) -> N
         assert (x, y, z) == pytest.approx((0, 0, 9806), abs=250)
 
 
-def test_errors_are_reported(files: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_resonance_errors_are_reported(files: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with Scenario(machine(50, 35)) as s:
         chip = s.printer.board.boards[""].accelerometers[0]
         (text,) = answers(s, "TEST_RESONANCES AXIS=X")
@@ -203,7 +203,7 @@ def test_accelerometer_off_the_moved_part_is_detected() -> None:
 
 
 @pytest.mark.parametrize("firmware", ["virtual", "passo"])
-def test_a_chip_on_i2c_that_does_not_answer_is_told(firmware: str) -> None:
+def test_unanswered_i2c_accelerometer_is_reported(firmware: str) -> None:
     with Scenario(machine(50, 35, chip="lis2dw", pins=I2C, firmware=firmware)) as s:
         chip = s.printer.board.boards[""].accelerometers[0]
         chip.plugged = False

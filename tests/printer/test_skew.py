@@ -30,7 +30,7 @@ def motors(x, y, z, xy=XY, xz=XZ, yz=YZ):
 
 
 @pytest.mark.parametrize("kind", ["cartesian", "delta"])
-def test_kernel_applies_the_law_before_the_geometry(kind):
+def test_skew_is_applied_before_the_geometry(kind):
     spec = {"kind": kind}
     if kind == "delta":
         spec |= {"radius": 81.0, "rods": [160.0] * 3, "angles": [210.0, 330.0, 90.0]}

@@ -29,7 +29,7 @@ def test_status_led_blinks_until_shutdown(firmware):
         assert s.board.output_value("status-led") == HZ // 2
 
 
-def test_its_pin_is_its_own():
+def test_status_led_pin_cannot_be_used():
     with pytest.raises(ConfigError, match=r"a pin of its own: PB4 belongs to board\.status_led"):
         config.load_text(text("virtual", "D10"), "m.toml")
 
@@ -47,7 +47,7 @@ def test_status_led_of_each_board(led, says):
     assert f"board.status_led {says}" in str(error.value)
 
 
-def test_each_board_has_its_own():
+def test_each_board_has_its_own_status_led():
     machine = two_boards('status_led = "LED"')
     with Scenario(machine) as s:
         outputs = {name: board.board.outputs for name, board in s.board.boards.items()}

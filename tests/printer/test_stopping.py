@@ -141,7 +141,7 @@ def test_m999_reports_temperatures_as_soon_as_known(hot):
     assert told and float(told[1]) == pytest.approx(s.board.temperature("hotend"), abs=2)
 
 
-def test_after_an_m999_that_has_led_to_nothing(hot):
+def test_m999_works_after_an_unreachable_board_returns(hot):
     s = hot
     unplug(s)
     s.passes(2)
@@ -263,7 +263,7 @@ def test_of_two_boards_only_the_silent_one_has_no_temperature(two):
 
 
 @pytest.mark.parametrize("lost_s", [0.3, 10.0])
-def test_while_axes_home_heat_stays_as_ever(hot, lost_s):
+def test_heaters_stay_on_while_axes_home(hot, lost_s):
     s = hot
     s.host.send("G28")
     s.passes(1)
@@ -290,7 +290,7 @@ def test_after_homing_the_board_keeps_warm_again(hot):
     assert s.board.output_value("hotend") > 0
 
 
-def test_a_halt_while_axes_home_warns_as_ever(hot):
+def test_halt_during_homing_gives_the_usual_warning(hot):
     s = hot
     s.host.send("G28")
     s.passes(1)

@@ -96,7 +96,7 @@ def test_a_converter_with_registers_is_set_up(firmware, kind, settings):
 
 @pytest.mark.parametrize("kind", ["max31856", "max31865"])
 @pytest.mark.parametrize(("ratio", "word"), [(1.0, "a broken cable"), (0.0, "a short circuit")])
-def test_its_faults_in_words(firmware, kind, ratio, word):
+def test_thermocouple_faults_have_sentences(firmware, kind, ratio, word):
     with Scenario(config.load_text(text(kind, firmware), "t.toml")) as s:
         s.passes(1)
         s.board.force_sensor("hotend", ratio)
@@ -107,7 +107,7 @@ def test_its_faults_in_words(firmware, kind, ratio, word):
         assert f"means {word}" in s.printer.state.halted
 
 
-def test_pins_are_claimed():
+def test_thermocouple_pins_must_be_free():
     for old, new in (("D49", "D10"), ("D47", "D10"), ("D45", "D47")):
         with pytest.raises(ConfigError, match="a pin of its own"):
             config.load_text(text().replace(f'"{old}"', f'"{new}"', 1), "t.toml")

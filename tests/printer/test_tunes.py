@@ -202,7 +202,7 @@ def test_r5_finds_the_model_of_a_heater_that_its_gains_control(tmp_path):
         assert "R is -1: expected 0 to 5" in s.host.ok("M303 H0 R-1")[0]
 
 
-def test_a_model_s_figures_are_looked_at():
+def test_impossible_model_values_are_refused():
     with Scenario(by_model()) as s:
         line = s.host.ok("M307 H0")[0]
         assert line == "M307 H0 A380 C120 D2 F0.3 R25"
@@ -333,7 +333,7 @@ def test_the_bounds_of_an_integral_are_settings(tmp_path):
         ),
     ],
 )
-def test_a_thermistor_that_cannot_be_is_refused_and_not_kept(words, says):
+def test_impossible_thermistor_is_refused(words, says):
     with Scenario("i3") as s:
         before = s.host.ok("M305 H0")
         assert says in s.host.ok(f"M305 H0 {words}")[0]

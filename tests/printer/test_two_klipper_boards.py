@@ -88,7 +88,7 @@ def test_boards_that_lose_each_other_stop_all_motors(two: Two) -> None:
 
 
 @pytest.mark.parametrize("which", ["main", "tool"])
-def test_one_that_restarts_stops_the_other_and_is_named(two: Two, which: str) -> None:
+def test_restart_of_one_board_stops_the_other(two: Two, which: str) -> None:
     s = two.s
     s.host.ok("G28", 60)
     s.host.send("G1 X100 Y100 F1200")

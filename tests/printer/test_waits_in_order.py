@@ -104,7 +104,7 @@ def test_a_target_outlasts_a_lost_link(monkeypatch):
 
 
 @pytest.mark.parametrize("how", ["M140 S20000", "M524", "the endstop"])
-def test_off_is_the_last_word_on_a_queued_target(how, tmp_path):
+def test_heater_off_overrides_a_queued_target(how, tmp_path):
     (tmp_path / "a.g").write_text("G92 X0 Y0 Z0\nG1 X50 F6000\nM140 S60\nG1 X60\nG1 X999\n")
     with Scenario(card=str(tmp_path)) as s:
         if how == "M140 S20000":

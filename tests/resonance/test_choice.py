@@ -77,7 +77,7 @@ def test_one_resonance_is_found_as_by_klipper(
         ("3hump_ei", 0.225, 0.731, 0.361658, 1533.2),
     ],
 )
-def test_a_shaper_by_itself(
+def test_single_shaper_is_evaluated(
     kind: ShaperType, at_40: float, at_60: float, smooth: float, accel: float
 ) -> None:
     found = impulses(kind, 50, 0.1)

@@ -42,7 +42,7 @@ def test_a_long_move_takes_a_babystep_while_it_runs(s):
     assert height(s) == pytest.approx(50.8, abs=0.02)
 
 
-def test_machine_at_standstill_moves_by_itself(s):
+def test_babystep_at_standstill_moves_the_axis(s):
     s.host.ok("M290 Z0.3")
     s.passes(1)
     assert height(s) == pytest.approx(50.3, abs=0.02)
@@ -52,7 +52,7 @@ def test_machine_at_standstill_moves_by_itself(s):
     assert height(s) == pytest.approx(50.0, abs=0.02)
 
 
-def test_nothing_is_shifted_out_of_range(s):
+def test_babystep_out_of_range_is_refused(s):
     s.host.ok("G1 Z0.1 F600")
     s.host.ok("G1 Z5")
     assert "beyond the limit" in s.host.ok("M290 Z-0.2")[0]
@@ -60,7 +60,7 @@ def test_nothing_is_shifted_out_of_range(s):
     assert height(s) == pytest.approx(5.0, abs=0.02)
 
 
-def test_an_axis_that_is_not_homed_does_not_move():
+def test_babystep_of_unhomed_axis_is_refused():
     with Scenario("i3") as s:
         before = s.positions()
         assert "axis Z is not homed" in s.host.ok("M290 Z0.2")[0]
@@ -68,7 +68,7 @@ def test_an_axis_that_is_not_homed_does_not_move():
         assert s.positions() == before
 
 
-def test_in_a_program_it_keeps_its_place(tmp_path):
+def test_m290_in_a_program_acts_in_order(tmp_path):
     (tmp_path / "a.g").write_text("G28\nG1 X50 Y50 Z5 F6000\nM290 Z0.2\nG1 X60\nG1 Z6\n")
     with Scenario("i3", card=str(tmp_path)) as s:
         s.host.ok("M32 a.g")

@@ -49,7 +49,7 @@ def heard(s):
 # -- tones ----------------------------------------------------------------------------------------
 
 
-def test_m300_sounds_so_high_and_so_long(s):
+def test_m300_has_its_frequency_and_duration(s):
     assert s.host.ok("M300 S440 P200") == ["ok"]
     s.passes(1)
     assert heard(s) == [(440, 0.2)]
@@ -70,7 +70,7 @@ def test_a_melody_comes_in_order(s):
     assert silence[1] == pytest.approx(0.5, abs=0.001)
 
 
-def test_a_tone_comes_in_its_place_among_the_moves(s):
+def test_tone_is_played_in_order_with_moves(s):
     """And the moves do not wait for it."""
     hz = s.machine.board.clock_hz
     s.host.send("G1 X50 F1800", "M300 S440 P2000", "G1 X80")
@@ -84,7 +84,7 @@ def test_a_tone_comes_in_its_place_among_the_moves(s):
     assert s.positions()["x"] == 80.0
 
 
-def test_steps_are_the_same_with_and_without_it():
+def test_tones_do_not_change_the_steps():
     def clocks(line):
         with Scenario(machine()) as s:
             s.host.ok("G92 X20 Y20 Z20")
@@ -99,7 +99,7 @@ def test_steps_are_the_same_with_and_without_it():
     assert loud == silent
 
 
-def test_tone_beyond_board_is_limited(s):
+def test_tone_above_the_boards_maximum_is_limited(s):
     """A tone too high is no reason to stop a print; it is told once."""
     told = s.host.ok("M300 S4000 P9000")
     assert told == ["echo:M300: a tone has at most 1000 Hz and 5000 ms here", "ok"]
@@ -116,13 +116,13 @@ def test_tone_beyond_board_is_limited(s):
         ("M300 P-5", "P is -5: expected at least 0 ms"),
     ],
 )
-def test_less_than_nothing_is_refused(s, line, sentence):
+def test_negative_tone_parameters_are_refused(s, line, sentence):
     assert sentence in s.host.ok(line)[0]
     s.passes(2)
     assert heard(s) == []
 
 
-def test_many_tones_keep_their_sender_waiting(s):
+def test_sender_waits_if_many_tones_are_queued(s):
     """So a file of nothing but tones is as long as its melody."""
     s.host.send(*["M300 S440 P10"] * 100)
     s.passes(3)
@@ -135,7 +135,7 @@ def test_many_tones_keep_their_sender_waiting(s):
 # -- who ends it ----------------------------------------------------------------------------------
 
 
-def test_a_stop_ends_rests_too(s):
+def test_stop_also_ends_pauses_between_tones(s):
     s.host.send(*["M300 S0 P5000"] * 10)
     s.passes(1)
     s.host.ok("M410")
@@ -145,7 +145,7 @@ def test_a_stop_ends_rests_too(s):
 
 
 @pytest.mark.parametrize("stop", ["M410", "M112"])
-def test_a_stop_silences_what_has_not_begun(s, stop):
+def test_stop_drops_queued_tones(s, stop):
     s.host.send("M300 S500 P400", "M300 S600 P400", "G1 X35 F600", "M300 S700")
     s.passes(0.6)
     s.host.send(stop)
@@ -201,7 +201,7 @@ def pulses(s, seconds):
     return clock_hz / period, round((found[-1][0] - rises[0] + period / 2) / clock_hz, 4)
 
 
-def test_the_pin_of_a_board_with_firmware_has_these_edges():
+def test_firmware_board_plays_the_edges_of_a_tone():
     with Scenario(machine(board=OWN)) as s:
         s.host.send("M300 S500 P200")
         assert pulses(s, 1) == (500.0, 0.2)
@@ -231,7 +231,7 @@ def test_tone_ends_while_link_is_lost(away_s, lines):
         assert heard(s) == [(600, 0.1)]
 
 
-def test_a_board_that_is_left_alone_ends_the_tone():
+def test_board_without_host_ends_the_tone():
     """One that cannot go on without its host: the printer halts, the tone ends in time."""
     with Scenario(machine()) as s:
         s.board.trace_output("beeper")
@@ -243,7 +243,7 @@ def test_a_board_that_is_left_alone_ends_the_tone():
         s.host.expect("Printer halted: the connection to the board has ended", 20)
 
 
-def test_a_tone_of_the_host_before_ends_by_itself(monkeypatch):
+def test_tone_of_the_previous_host_ends(monkeypatch):
     """A board that another host has left alone has its end; the next tone comes behind it."""
     before = Scenario(machine(board=OWN))
     before.board.trace_output("beeper")
@@ -265,7 +265,7 @@ def test_a_tone_of_the_host_before_ends_by_itself(monkeypatch):
         assert heard(s) == [(500, 4.0), (600, 0.1)]
 
 
-def test_one_on_a_further_board():
+def test_beeper_on_a_further_board_sounds():
     more = '[boards.tool]\nbase = "ramps"\n'
     with Scenario(machine(pin="tool:D12", more=more)) as s:
         s.board.trace_output("beeper")
@@ -290,14 +290,14 @@ def test_a_faster_board_reaches_higher_tones():
 # -- the machine file -----------------------------------------------------------------------------
 
 
-def test_its_pin_is_its_own():
+def test_beeper_pin_cannot_be_used():
     with pytest.raises(ConfigError, match=r"beeper\.pin"):
         machine(pin="D10")  # the hotend's
     with pytest.raises(ConfigError, match=r"beeper\.pin.*a pin of"):
         machine(pin="D999")
 
 
-def test_beeper_of_a_display():
+def test_beeper_of_a_display_is_used():
     fitted = 'fitted = ["reprap-discount-smart"]'
     assert machine(pin="D37", board=fitted).beeper.pin == "D37"
     with pytest.raises(ConfigError, match=r"beeper\.pin"):

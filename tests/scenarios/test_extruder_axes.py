@@ -64,7 +64,7 @@ def test_filament_has_no_limits(s):
     ("modes", "u", "x"),
     [("G90 M82", 2, 5), ("G90 M83", 3, 5), ("G91 M82", 3, 15), ("G91 M83", 3, 15)],
 )
-def test_m82_and_m83_count_for_them_alone(s, modes, u, x):
+def test_m82_and_m83_apply_to_extruder_axes_only(s, modes, u, x):
     made = pushed(s, "G1 X10 U1 V1 F6000", *modes.split(), "G1 X5 U2 V2")
     assert made == pytest.approx((u, u), abs=0.02)
     assert s.positions()["x"] == pytest.approx(20 + x, abs=0.02)
@@ -84,7 +84,7 @@ def test_cold_filament_does_not_move(s):
     assert pushed(s, "G1 X2 U1 V1") == pytest.approx((1, 1), abs=0.02)
 
 
-def test_homing_leaves_them_where_they_are(s):
+def test_homing_does_not_change_extruder_axes(s):
     made = pushed(s, "G1 U3 V4 F600", "G28")
     assert made == pytest.approx((3, 4), abs=0.02)
     assert "U:3.000 V:4.000" in s.host.ok("M114")[0]

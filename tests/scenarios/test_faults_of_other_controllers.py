@@ -50,7 +50,7 @@ def test_a_speed_factor_is_kept_and_taken_back(s):
 
 
 @pytest.mark.parametrize("code", ["M84", "M85"])
-def test_no_time_is_less_than_none(s, code):
+def test_negative_dwell_is_refused(s, code):
     s.host.ok(f"{code} S600")
     assert "S is -5: expected at least 0 s" in s.host.ok(f"{code} S-5")[0]
     assert f"{code} S600" in s.host.ok("M503 S0", 20)

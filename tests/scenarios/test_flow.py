@@ -43,7 +43,7 @@ def pushed_s(s, seconds):
     return filament(s) - before
 
 
-def test_during_a_print_it_acts_at_once(s):
+def test_m221_during_a_print_acts_at_once(s):
     begun(s)
     assert s.printer.rig.queue.ahead_s > 4
     before = filament(s)
@@ -56,7 +56,7 @@ def test_during_a_print_it_acts_at_once(s):
     assert f"E:{WHOLE_MM:.4f}" in s.host.ok("M114")[0]
 
 
-def test_the_other_axes_do_not_notice(s):
+def test_m221_does_not_change_other_axes(s):
     begun(s)
     start, x = s.loop.time(), s.positions()["x"]
     s.host.ok("M221 S200")
@@ -72,7 +72,7 @@ def test_m114_reports_the_programs_e_on_the_way(s):
     assert float(words["E"]) == pytest.approx(LEG_MM * (float(words["X"]) - 20) / 100, abs=0.03)
 
 
-def test_in_a_pause(s):
+def test_m221_in_a_pause_applies_after_it(s):
     begun(s)
     before = filament(s)
     s.host.ok("M25")
@@ -112,20 +112,20 @@ def assert_in_order(s):
     assert filament(s) == pytest.approx(3, abs=0.02)
 
 
-def test_in_a_file_it_keeps_its_place(s, places):
+def test_m221_in_a_file_acts_in_order(s, places):
     (Path(places["card"]) / "turn.g").write_text(HEAD + "\n".join(TURN) + "\n")
     s.host.send("M32 turn.g")
     assert_in_order(s)
 
 
-def test_from_the_console_that_prints_it_keeps_its_place(s):
+def test_m221_from_the_printing_console_acts_in_order(s):
     for line in HEAD.splitlines():
         s.host.ok(line, 60)
     s.host.send(*TURN)
     assert_in_order(s)
 
 
-def test_another_console_is_beside_it(s):
+def test_m221_of_another_console_acts_at_once(s):
     asks = Host(s)
     for line in HEAD.splitlines():
         s.host.ok(line, 60)
@@ -144,7 +144,7 @@ def test_no_flow_at_all_is_refused(s, value):
     assert s.host.ok("M221")[0] == "echo:E0 Flow: 95%"
 
 
-def test_each_tool_has_its_own():
+def test_each_tool_has_its_own_flow():
     with Scenario("dual-extruder") as s:
         s.host.ok("M221 T1 S50")
         assert s.host.ok("M221")[0] == "echo:E0 Flow: 100%"

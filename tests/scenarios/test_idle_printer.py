@@ -137,7 +137,7 @@ def test_only_the_named_motors_go_off(s):
     assert s.board.output_value("x-enable") == 0  # a move turns it on
 
 
-def test_corrections_and_network_are_reported(s):
+def test_m937_and_m940_are_answered(s):
     assert s.host.ok("M937") == ["echo:M937 does nothing here. This machine has no probe.", "ok"]
     assert "computer" in s.host.ok("M940")[0]
 

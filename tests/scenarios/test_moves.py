@@ -146,7 +146,7 @@ def test_a_thousand_tiny_moves_do_not_drift(s):
     assert s.positions()["x"] == 27.0
 
 
-def test_firmware_retraction(s):
+def test_g10_and_g11_retract_and_recover(s):
     s.host.ok("G1 E5 F600")
     s.host.ok("M207 S2 F1200 Z0.4")
     s.host.ok("G10")
@@ -182,7 +182,7 @@ def test_a_hop_is_not_part_of_the_programs_z(s, meanwhile, hopped, z):
     assert s.positions()["e"] == pytest.approx(5, abs=0.01)
 
 
-def test_inches(s):
+def test_g20_moves_in_inches(s):
     s.host.ok("G20")
     s.host.ok("G1 X1 F60")
     s.host.ok("M400")

@@ -26,7 +26,7 @@ def on(s) -> bool:
     return s.board.output_value("mains") == 1
 
 
-def test_m80_and_m81_switch_the_mains(s):
+def test_m80_and_m81_switch_the_power_supply(s):
     assert on(s)
     assert s.host.ok("M80 S") == ["PS:1", "ok"]
     s.host.ok("M104 S100 F")
@@ -45,7 +45,7 @@ def test_m80_and_m81_switch_the_mains(s):
     assert s.printer.state.halted == ""
 
 
-def test_nothing_moves_without_them(s):
+def test_motion_is_refused_while_supply_is_off(s):
     s.host.ok("M81")
     s.host.ok("G92 X0 Y0 Z0")
     before = s.positions()
@@ -65,7 +65,7 @@ def test_power_supply_goes_off_with_board(s):
 
 
 @pytest.mark.parametrize("away_s", [0.1, 0.7, 5.0])
-def test_drivers_are_set_up_when_they_come(away_s):
+def test_drivers_are_set_up_after_power_on(away_s):
     text = machine_text() + "\n" + MAINS.replace("D12", "D6")
     with Scenario(config.load_text(text)) as s:
         chips = list(s.board.drivers.values())
@@ -86,6 +86,6 @@ def test_drivers_are_set_up_when_they_come(away_s):
         assert [chip.read(0x10) for chip in chips] == currents
 
 
-def test_their_pin_is_their_own():
+def test_power_supply_pin_cannot_be_used():
     with pytest.raises(ConfigError, match=r"mains\.pin"):
         machine('[mains]\npin = "D10"\n')  # the hotend's

@@ -47,7 +47,7 @@ def test_program_stops_at_failed_command_and_continues(tmp_path, line, said):
         assert s.positions()["x"] == 40.0
 
 
-def test_m2_ends_it(tmp_path):
+def test_m2_ends_the_program(tmp_path):
     with printing(tmp_path, b"G1 X10 F6000\nM2\nG1 X20\n") as s:
         s.host.expect("^Done printing file$", 30)
         assert s.positions()["x"] == 30.0
@@ -55,7 +55,7 @@ def test_m2_ends_it(tmp_path):
 
 @pytest.mark.parametrize("command", ["M601", "M600"])
 @pytest.mark.parametrize("answer", ["M602", "M24"])
-def test_a_pause_that_it_asks_for_ends_with_an_answer(tmp_path, command, answer):
+def test_m0_in_a_program_ends_with_an_answer(tmp_path, command, answer):
     text = f"G1 X10 Y50 Z20 F6000\n{command}\nG1 X20 F6000\n".encode()
     with printing(tmp_path, text) as s:
         s.passes(30)
@@ -65,7 +65,7 @@ def test_a_pause_that_it_asks_for_ends_with_an_answer(tmp_path, command, answer)
         assert s.positions()["x"] == 40.0
 
 
-def test_eof_ends_it(tmp_path):
+def test_eof_ends_the_program(tmp_path):
     (tmp_path / "a.g").write_text("G92 X0 Y0 Z0\nG1 X5 F6000\nEOF\nG1 X50\n")
     with Scenario("i3", card=str(tmp_path)) as s:
         s.host.ok("M2")  # a console has no program to end

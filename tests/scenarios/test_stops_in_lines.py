@@ -50,7 +50,7 @@ def test_move_after_immediate_command_is_done(s, line, what):
     assert what(s) == (pytest.approx(START + 12, abs=0.02), 0.5)
 
 
-def test_nothing_stands_behind_a_question_of_a_halted_printer(s):
+def test_halted_printer_answers_query_and_skips_rest(s):
     s.host.ok("M112")
     s.passes(1)
     for line in ("M105 G1 X12", "M105 M104 S200"):
@@ -63,7 +63,7 @@ def test_nothing_stands_behind_a_question_of_a_halted_printer(s):
 
 
 @pytest.mark.parametrize("first", ["M302 S170", "M220 S100", "M85 S0", "M113 S2"])
-def test_words_belong_to_their_own_command(s, first):
+def test_parameters_belong_to_their_command(s, first):
     s.host.ok(f"{first} M104 S60")
     s.passes(0.5)
     assert s.printer.rig.connection.heaters["hotend"].target == 60
@@ -101,7 +101,7 @@ def test_m112_acts_before_the_line_that_contains_it(s):
         *("EXCLUDE_OBJECT_START NAME=Item112_stl_id_0", "M486 Aframe M112", "M105 M1120"),
     ],
 )
-def test_m112_that_is_only_written_of_stops_nothing(s, line):
+def test_m112_in_a_message_stops_nothing(s, line):
     s.host.ok(line)
     s.passes(2)
     assert not s.printer.state.halted
@@ -128,7 +128,7 @@ def test_m410_in_a_file_ends_its_print(tmp_path):
 
 
 @pytest.mark.parametrize("own", [True, False])
-def test_m410_forgets_moves_in_hand_too(s, own):
+def test_m410_drops_received_moves_too(s, own):
     lines = [f"G1 X{20 + 80 * (i % 2)} F3000" for i in range(40)] + ["X30", "M104 S0", "M105"]
     s.host.ok("M104 S150")
     s.host.send(*lines)

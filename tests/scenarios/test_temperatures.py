@@ -52,7 +52,7 @@ def test_m105_x_adds_the_raw_readings(two):
     assert float(hot["T1A"]) < 0.8 < float(hot["T0A"])
 
 
-def test_p_names_a_heater_as_t_does(two):
+def test_m109_p_names_a_heater_like_t(two):
     two.host.ok("M104 P1 S50 F")
     assert target(two, "hotend1") == 50
     two.host.ok("M104 T0 P1 S40 F")  # T first
@@ -92,7 +92,7 @@ def test_another_console_may_query_and_set_while_one_waits(s):
 
 
 @pytest.mark.parametrize("waits", ["M109 S200", "M0", "G28", "M303 H0 S200", "G4 S60\nM400"])
-def test_f_acts_at_once_whoever_has_the_turn(s, waits):
+def test_m104_f_acts_while_another_console_moves(s, waits):
     s.host.send("M104 S200", *waits.split("\n"))
     s.passes(1.5)
     assert s.printer.motion_lock.locked
@@ -158,7 +158,7 @@ def test_a_fan_acts_in_its_place_among_the_moves(s):
     assert s.positions()["x"] == pytest.approx(50, abs=0.15)
 
 
-def test_f_makes_a_fan_act_in_the_midst_of_the_moves(s):
+def test_m106_f_acts_during_planned_moves(s):
     s.host.ok("G92 X0 Y0 Z0")
     s.host.ok("G1 X15 F600")
     s.host.ok("M106 S100")  # in its place: when X is at 15

@@ -159,7 +159,7 @@ def test_extruders_of_one_nozzle_lift_it_once(s):
     assert s.positions()["z"] == pytest.approx(5.0, abs=0.01)
 
 
-def test_a_stop_forgets_a_retraction_that_did_not_come_to_pass(s):
+def test_stop_forgets_a_retraction_not_executed(s):
     s.host.ok("M207 Z0.5")
     s.host.send("G1 X200 F1200", "G10")
     s.passes(1)

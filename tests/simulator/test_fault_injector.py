@@ -62,7 +62,7 @@ def test_unknown_fault_is_answered_with_known_ones(parameters, answer):
         assert s.printer.rig.connection.injector.active == {}
 
 
-def test_real_boards_refuse():
+def test_real_boards_refuse_simulated_faults():
     with Scenario("i3") as s:
         s.printer.rig.connection.injector = None
         for line in ("SIMULATE_FAULT", "SIMULATE_FAULT NAME=cable VALUE=cut"):
@@ -83,7 +83,7 @@ def test_real_boards_refuse():
         (" cable = cut + 3 s ", FaultOrder("cable", "cut", 0.0, 3.0)),
     ],
 )
-def test_orders_are_read(text, order):
+def test_fault_commands_are_parsed(text, order):
     assert FaultOrder.parse(text) == order
 
 

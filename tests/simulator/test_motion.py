@@ -16,7 +16,7 @@ command = st.tuples(
 
 
 @given(st.lists(command, min_size=1, max_size=8), st.data())
-def test_executed_steps_are_the_oracles(commands, data):
+def test_executed_steps_equal_the_oracles(commands, data):
     board = RawBoard()
     board.configure()
     board.simulated.trace_steps("x", 0, 2**62)
@@ -138,7 +138,7 @@ def test_the_timeout_can_be_put_off():
     assert board.simulated.steps("x") == 400
 
 
-def test_a_timeout_that_is_put_off_behind_the_end_is_nothing():
+def test_timeout_extended_after_its_end_has_no_effect():
     """Word of the end and this cross on the wire."""
     board = RawBoard()
     board.configure()

@@ -49,7 +49,7 @@ def words(reports: list) -> list[int]:
 
 
 @pytest.mark.parametrize(("kind", "shift"), [("MAX31855", 18), ("MAX6675", 3)])
-def test_words_come_at_their_times(kind, shift):
+def test_converter_words_come_at_their_times(kind, shift):
     board = wired(kind)
     board.simulated.force_sensor("hotend", share(200))
     ask(board)
@@ -130,7 +130,7 @@ def test_converter_with_registers_is_asked_for_faults(kind, setup, word, fault):
     assert board.device.fault == "Thermocouple reader fault"
 
 
-def test_a_range_of_all_words_watches_nothing():
+def test_full_word_range_disables_the_check():
     board = wired()
     board.simulated.force_sensor("hotend", 1.0)
     ask(board, count=1)

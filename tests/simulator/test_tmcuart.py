@@ -84,7 +84,7 @@ def test_a_shutdown_ends_an_exchange():
     assert answered_after(board, REST + (40 + 8) * BIT + BIT // 4 + 79 * BIT) != b""
 
 
-def test_too_much_is_refused():
+def test_too_long_uart_transfer_is_refused():
     board, _ = wired()
     board.tell("tmcuart_send oid=0 write=00 read=11")
     assert board.device.fault == "tmcuart data too large"

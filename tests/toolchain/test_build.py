@@ -225,14 +225,14 @@ def test_motors_with_long_pulses_get_units_that_can_make_them(
     assert [(len(board.motors), board.slow_motors) for board in made] == [(3, 1)]
 
 
-def test_a_machine_that_runs_klippers_has_none_of_ours(tmp_path: Path) -> None:
+def test_machine_with_klipper_firmware_has_no_image(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     path.write_text(config.shipped_text("i3") + 'firmware = "klipper"\n')
     with pytest.raises(FirmwareError, match="no firmware of Passo for i3: it runs Klipper's own"):
         target(str(path))
 
 
-def test_motors_of_boards() -> None:
+def test_step_units_are_assigned_to_motors() -> None:
     assert [m.name for m in board_target("melzi").motors] == ["X", "Y", "Z", "E"]
     assert board_target("duet-0.6").motors[0] == Motor("X", "PD4", "PD5")
 
@@ -257,7 +257,7 @@ def test_a_clock_that_the_chip_has_not_is_refused(tmp_path: Path) -> None:
         build(replace(aim, board=board), tmp_path)
 
 
-def test_where_nothing_can_be_written(tmp_path: Path) -> None:
+def test_unwritable_output_is_named(tmp_path: Path) -> None:
     path = tmp_path / "file"
     path.write_text("")
     with pytest.raises(FirmwareError, match="cannot be written"):
@@ -273,7 +273,7 @@ def test_old_image_stays_if_json_cannot_be_written(tmp_path: Path) -> None:
     assert len([*tmp_path.iterdir()]) == 2
 
 
-def test_the_list(capsys: pytest.CaptureFixture[str]) -> None:
+def test_firmware_list_shows_all_boards(capsys: pytest.CaptureFixture[str]) -> None:
     assert {name: state(config.load_board(name)) for name in config.shipped_boards()} == STATES
     assert main(["firmware", "list"]) == 0
     head, *rows = capsys.readouterr().out.splitlines()
@@ -288,7 +288,9 @@ def test_the_list(capsys: pytest.CaptureFixture[str]) -> None:
     assert by_name["ramps-fd"]["notes"][0].startswith("RAMPS-FD 1 switches its outputs on with low")
 
 
-def test_the_command_builds(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_firmware_command_builds_an_image(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["firmware", "build", "melzi", "--output", str(tmp_path)]) == 0
     assert f"{tmp_path}/melzi.hex: " in capsys.readouterr().out
     assert (tmp_path / "melzi.json").is_file()

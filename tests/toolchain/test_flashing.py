@@ -119,7 +119,7 @@ def test_a_melzi_waits_for_a_manual_step(tools: Path, image: Path, port: Port) -
     assert "Take the jumper off Debug again" in said[3]
 
 
-def test_a_due_is_touched_first(tools: Path, tmp_path: Path, port: Port) -> None:
+def test_due_is_reset_by_1200_baud_first(tools: Path, tmp_path: Path, port: Port) -> None:
     notes = program(tools, "bossac")
     image = tmp_path / "radds.bin"
     image.write_bytes(SAM_CODE)
@@ -155,7 +155,7 @@ def test_openocd_writes_an_elf(tools: Path, tmp_path: Path) -> None:
     assert json.loads(notes.read_text())[-1] == f"program {{{image}}} verify reset exit"
 
 
-def test_a_pico_is_a_drive(tools: Path, tmp_path: Path) -> None:
+def test_pico_is_flashed_as_a_drive(tools: Path, tmp_path: Path) -> None:
     drive, image = tmp_path / "RPI-RP2", tmp_path / "pico.uf2"
     drive.mkdir()
     image.write_bytes(UF2)
@@ -189,7 +189,7 @@ def test_board_that_does_not_answer_is_an_error(tools: Path, image: Path) -> Non
     assert caught.value.status == 5
 
 
-def test_a_port_that_has_gone_when_the_board_is_asked(
+def test_port_missing_during_verification_is_named(
     tools: Path, image: Path, port: Port, tmp_path: Path
 ) -> None:
     link = tmp_path / "port"
@@ -204,7 +204,7 @@ def test_a_port_that_has_gone_when_the_board_is_asked(
     assert notes.exists()
 
 
-def test_a_port_that_goes_while_the_board_is_asked(
+def test_port_lost_during_verification_is_named(
     tools: Path, image: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     program(tools, "avrdude")
@@ -218,7 +218,7 @@ def test_a_port_that_goes_while_the_board_is_asked(
     assert caplog.records == []
 
 
-def test_a_board_that_runs_something_else(tools: Path, image: Path) -> None:
+def test_board_with_another_firmware_fails_verification(tools: Path, image: Path) -> None:
     program(tools, "avrdude")
     image.write_bytes(whole_hex(AVR_CODE + b"\x78\xda\x78" + packed(), 0))
     port = Port(Board(packed(version="0.0.9")))
@@ -227,7 +227,7 @@ def test_a_board_that_runs_something_else(tools: Path, image: Path) -> None:
     port.close()
 
 
-def test_a_program_that_fails(tools: Path, image: Path, port: Port) -> None:
+def test_failing_flash_program_is_reported(tools: Path, image: Path, port: Port) -> None:
     program(tools, "avrdude", status=1)
     with pytest.raises(FirmwareError, match="avrdude ended with status 1") as caught:
         flashed("ramps", port.name, image)
@@ -268,7 +268,7 @@ def test_a_missing_program_is_reported_before_any_manual_step(tools: Path, image
         ("a.elf", elf(0x0800_0000, bytes(64))[:-1], "stm32f407-discovery", "content of a .elf"),
     ],
 )
-def test_files_that_are_not_an_image(
+def test_files_that_are_not_an_image_are_refused(
     tmp_path: Path, name: str, content: bytes | None, board: str, says: str
 ) -> None:
     image = tmp_path / name
@@ -311,7 +311,7 @@ OWN_SAM_CODE = SAM_CODE.ljust(28, b"\0") + struct.pack("<2I", 0x8_0100, 0x6F7373
         ("a.bin", OWN_SAM_CODE.ljust(255, b"\0"), "radds", "cut short and .* at 0x800ff"),
     ],
 )
-def test_images_that_do_not_fit(
+def test_images_that_do_not_fit_are_refused(
     tmp_path: Path, name: str, content: bytes, board: str, says: str
 ) -> None:
     image = tmp_path / name
@@ -342,7 +342,7 @@ def test_an_image_that_states_its_end_is_complete(tools: Path, tmp_path: Path, p
     assert said[-1].startswith("radds: written") and said[0].endswith("that it is for this board.")
 
 
-def test_an_image_for_another_board_with_the_same_chip(
+def test_image_for_another_board_with_same_chip_is_refused(
     image: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     about(image, packed())
@@ -421,7 +421,7 @@ def test_image_that_declares_its_board_passes_all_checks(
     assert [line.split()[0] for line in said] == ["avrdude", "ramps:"]
 
 
-def test_an_image_for_another_chip_or_changed_since(tools: Path, image: Path) -> None:
+def test_image_for_another_chip_or_changed_is_refused(tools: Path, image: Path) -> None:
     about(image, packed(), board="Melzi")
     with pytest.raises(FirmwareError, match=r"one for RAMPS 1.4: this is for Melzi"):
         flashed("ramps", "/dev/null", image)
@@ -432,7 +432,7 @@ def test_an_image_for_another_chip_or_changed_since(tools: Path, image: Path) ->
 
 
 @pytest.mark.parametrize("where", ["/dev/no-such-port", ".", "/dev/null"])
-def test_ports_that_are_none(tools: Path, image: Path, where: str) -> None:
+def test_invalid_ports_are_refused(tools: Path, image: Path, where: str) -> None:
     program(tools, "avrdude")
     with pytest.raises(FirmwareError, match="expected a serial port") as caught:
         flashed("ramps", where, image)
@@ -621,7 +621,9 @@ def test_a_dry_run_names_the_image_that_a_build_makes(
         (["build", "klipper"], "it runs Klipper's own firmware"),
     ],
 )
-def test_usage_errors(words: list[str], says: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_flash_usage_errors_exit_with_2(
+    words: list[str], says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["firmware", *words]) == 2
     out, err = capsys.readouterr()
     assert out == ""

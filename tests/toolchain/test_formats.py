@@ -5,7 +5,7 @@ import struct
 from passo.toolchain.formats import intel_hex, uf2, with_boot_sum
 
 
-def test_intel_hex() -> None:
+def test_intel_hex_is_read_and_written() -> None:
     assert intel_hex(bytes(range(18)), 0x1FFF0).decode().split() == [
         ":020000040001F9",
         ":10FFF000000102030405060708090A0B0C0D0E0F89",
@@ -15,7 +15,7 @@ def test_intel_hex() -> None:
     ]
 
 
-def test_uf2() -> None:
+def test_uf2_is_read_and_written() -> None:
     data = uf2(b"\xaa" * 300, 0x10000000)
     assert len(data) == 1024
     for i, content in enumerate((b"\xaa" * 256, b"\xaa" * 44 + bytes(212))):
@@ -30,7 +30,7 @@ def test_uf2() -> None:
         assert block[508:] == bytes.fromhex("306fb10a")
 
 
-def test_the_sum_of_the_second_stage() -> None:
+def test_second_stage_has_its_checksum() -> None:
     data = with_boot_sum(bytes(252) + b"\0\0\0\0" + b"image")
     crc = 0xFFFFFFFF
     for _ in range(252 * 8):

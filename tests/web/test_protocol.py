@@ -275,7 +275,7 @@ def test_malformed_frames_end_a_websocket_with_their_code(frames, code):
 
 
 @pytest.mark.parametrize("empty", [b"", b"[]", b'{"type":"nothing"}'])
-def test_message_that_is_none_is_answered_and_the_feed_continues(empty):
+def test_invalid_feed_message_is_answered(empty):
     async def test(server):
         connection = Connection(server)
         connection.protocol.data_received(upgrade())

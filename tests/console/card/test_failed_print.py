@@ -15,7 +15,7 @@ from tests.support.scenario import Scenario
         (b"G28 X\n#1=5\n", ":2: '#1=5' is a parameter"),
     ],
 )
-def test_a_file_with_what_is_not_g_code_stops_and_names_it(s, folder, data, sentence):
+def test_file_with_other_text_stops_and_names_it(s, folder, data, sentence):
     (folder / "bad.g").write_bytes(data)
     s.host.ok("M32 bad.g")
     assert s.until(lambda: any(sentence in line for line in s.host.heard), 60)
@@ -32,7 +32,7 @@ def test_file_stops_at_failed_command_and_continues_after_it(s, folder):
     assert s.positions()["x"] == 9.0
 
 
-def test_a_fault_of_the_program_leaves_nothing_hot(folder, monkeypatch):
+def test_internal_error_in_a_print_turns_heaters_off(folder, monkeypatch):
     def broken(*_):
         raise RuntimeError("by the test")
 
@@ -47,7 +47,7 @@ def test_a_fault_of_the_program_leaves_nothing_hot(folder, monkeypatch):
         assert s.printer.rig.connection.heaters["bed"].target == 0
 
 
-def test_a_host_that_connects_leaves_a_print_that_failed(s, folder):
+def test_connecting_host_does_not_change_a_failed_print(s, folder):
     (folder / "half.g").write_text("G28 X\nG1 X10\nG1 E10001\nG1 X20\n")
     s.host.ok("M32 half.g")
     s.host.expect("Print of half.g stopped", 60)

@@ -79,7 +79,7 @@ def test_names_in_utf_8_are_selected(named):
     assert ok(f"M23 {name}")[0] == f"echo:file.open failed, File: {name}. {missing}"
 
 
-def test_a_name_with_accents_apart_is_found_by_the_composed_one(s, folder):
+def test_decomposed_accents_find_the_composed_name(s, folder):
     apart = "Gro\N{COMBINING DIAERESIS}ße.gcode"
     (folder / apart).write_text("G28 X\n")
     assert s.host.ok("M23 Größe.gcode")[0] == f"File opened: {apart} Size: 6"

@@ -117,7 +117,7 @@ def test_moves_of_a_console_come_between_those_of_a_file(s):
     assert s.board.output_value("part") > 0
 
 
-def test_auto0_is_started(folder):
+def test_auto0_g_runs_at_the_start(folder):
     (folder / "AUTO0.G").write_text("G28 X\nG1 X33 F6000\n")
     with Scenario("i3", card=str(folder)) as s:
         printed(s, 30)
@@ -134,7 +134,7 @@ def test_a_file_takes_back_the_speed_that_it_has_kept(s, folder):
     assert s.host.ok("M220") == ["Speed factor override: 150", "ok"]
 
 
-def test_a_question_for_the_file_leaves_the_file_to_the_print(s, folder):
+def test_querying_the_file_does_not_disturb_its_print(s, folder):
     (folder / "say.g").write_text("G28\n" + "G1 X30 F6000\nM114\nG1 X60\n" * 200)
     other = Host(s)
     s.host.ok("M32 say.g")

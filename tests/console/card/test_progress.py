@@ -7,7 +7,7 @@ import pytest
 from tests.support.card_print import printed
 
 
-def test_reports_by_themselves(s):
+def test_card_progress_is_reported_automatically(s):
     s.host.ok("M27 S1")
     s.host.expect("^Not SD printing", 2)
     s.host.ok("M32 square.gcode")

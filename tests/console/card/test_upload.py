@@ -6,7 +6,7 @@ from tests.support.numbered_lines import numbered
 from tests.support.scenario import Scenario
 
 
-def test_an_upload_is_there_after_m29(s, folder):
+def test_uploaded_file_exists_after_m29(s, folder):
     assert s.host.ok("M28 new.gcode") == ["Writing to file: new.gcode", "ok"]
     s.host.ok("G28")
     s.host.ok("G1 X10 ; a comment")
@@ -43,7 +43,7 @@ def test_a_file_that_cannot_be_opened_executes_nothing(s):
     assert s.positions()["x"] == 20.0
 
 
-def test_aprinter_s_upload_wrapper(s, folder):
+def test_upload_by_aprinters_wrapper(s, folder):
     (folder / "old.g").write_text("G1 X1\n")
     s.host.ok("M932")
     assert s.host.ok("M28 Fold.g")[0] == "Writing to file: old.g"
@@ -61,7 +61,7 @@ def test_a_cut_upload_leaves_the_old_file(s, folder):
     assert sorted(p.name for p in folder.iterdir()) == ["notes.txt", "parts", "square.gcode"]
 
 
-def test_a_log_is_carried_out_as_well(s, folder):
+def test_m928_logs_and_executes_lines(s, folder):
     s.host.ok("M928 log.g")
     s.host.ok("G92 X0")
     s.host.ok("G1 X7 F6000")

@@ -15,7 +15,7 @@ TABLE = ((-270.0, 0.434), (1800.0, 0.939))
 SPI = SpiPins("PH3", "PH4", "PH5", "PH6", mode=0)
 
 
-def test_words_and_their_faults():
+def test_converter_words_and_faults_are_reported():
     chip = bench()
     sensor = Sensor("t", "PH3", TABLE, converter=_core.Converter.MAX31855, spi=SPI)
     connection = AvrConnection(BoardDescription(HZ, sensors=(sensor,)), chip)

@@ -226,7 +226,7 @@ def test_the_file_of_the_newest_request_is_planned_first(tmp_path):
     asyncio.run(asyncio.wait_for(main(), 30))
 
 
-def test_what_is_known_outlives_the_program(tmp_path):
+def test_file_plans_survive_a_restart(tmp_path):
     (tmp_path / "card").mkdir()
     (tmp_path / "card" / "a.gcode").write_text("G28\n")
     for estimated in (["/a.gcode"], []):

@@ -92,7 +92,7 @@ def test_fields_are_few_and_short():
 @pytest.mark.parametrize(
     "kind", ["", "text/plain", "multipart/form-data", "multipart/mixed; boundary=b"]
 )
-def test_a_body_that_is_not_a_form_is_refused(kind):
+def test_body_that_is_not_a_form_is_refused(kind):
     with pytest.raises(InputError, match="expected multipart/form-data"):
         Form(kind)
 
@@ -109,7 +109,7 @@ def test_a_body_that_is_not_a_form_is_refused(kind):
         "filename=größe.gcode".encode(),
     ],
 )
-def test_each_way_to_code_a_name(about):
+def test_each_encoding_of_a_file_name_is_read(about):
     body = b'--b\r\nContent-Disposition: form-data; name="file"; ' + about + b"\r\n\r\nG28\r\n--b--"
     found = parts([body], "multipart/form-data; boundary=b")
     assert found[0] == FileBegins("file", "größe.gcode")

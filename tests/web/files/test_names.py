@@ -20,7 +20,7 @@ from passo.web.files.names import confined, program
         ("a" * 249 + ".gcode", "/" + "a" * 249 + ".gcode"),
     ],
 )
-def test_the_path_that_a_client_means(sent, path):
+def test_upload_paths_are_resolved(sent, path):
     assert confined(sent) == path
 
 

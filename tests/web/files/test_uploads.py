@@ -53,7 +53,7 @@ def test_a_file_is_stored_as_it_comes(web, tmp_path):
         ("..%2Fa.gcode", b"G28", 400, "card.name"),
     ],
 )
-def test_what_is_not_a_program_is_refused(web, tmp_path, name, content, status, code):
+def test_upload_that_is_not_g_code_is_refused(web, tmp_path, name, content, status, code):
     answer = put(web, name, content)
     assert (answer.status_code, code_of(answer)) == (status, code)
     assert list(tmp_path.iterdir()) == []

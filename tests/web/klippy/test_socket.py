@@ -38,7 +38,7 @@ def run(test, tmp_path):
     asyncio.run(main())
 
 
-def test_only_this_user_may_open_it_and_an_old_one_is_replaced(tmp_path):
+def test_socket_is_private_and_replaces_an_old_one(tmp_path):
     path = tmp_path / "klippy"
     old = socket.socket(socket.AF_UNIX)
     old.bind(str(path))

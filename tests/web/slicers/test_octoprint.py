@@ -141,7 +141,7 @@ def test_cura_watches_a_print(bridge, client):
         ({"command": "start"}, "print /part.gcode"),
     ],
 )
-def test_orders_for_the_print(bridge, client, body, asked):
+def test_octoprint_job_commands_control_the_print(bridge, client, body, asked):
     bridge.show(replace(STATUS, files=FilesStatus(mounted=True, selected="/part.gcode")))
     assert client.post("/api/job", json=body).status_code == 204
     assert bridge.asked == [asked]
@@ -173,7 +173,7 @@ def test_commands_are_carried_out(bridge, client):
 
 
 @pytest.mark.parametrize("body", [b"[]", b"{", b'{"commands": 5}', b'{"commands": [5]}', b"{}"])
-def test_what_is_not_a_command_is_refused(bridge, client, body):
+def test_unknown_octoprint_commands_are_refused(bridge, client, body):
     answer = client.post("/api/printer/command", content=body)
     assert (answer.status_code, code_of(answer)) == (400, "web.malformed")
     assert bridge.asked == []
