@@ -224,16 +224,16 @@ void bind_link(nb::module_& m) {
           "the board is armed, motion comes in commits.")
       .def("reconnect", &held<&Link::reconnect>,
            "The board has continued without this host: messages on their way are dropped, and the "
-           "job is paused until go_on().")
+           "job is paused until resume().")
       .def_prop_ro(
           "acknowledged", &held<&Link::acknowledged>,
           "The board has all commands. Their immediate answers have been received, or are lost.")
-      .def("unheard_s", &held<&Link::unheard_s, Ticks>, "clock"_a,
+      .def("unacknowledged_s", &held<&Link::unacknowledged_s, Ticks>, "clock"_a,
            "Age in seconds of the oldest message that the board has not acknowledged, when its "
            "clock reads `clock`; 0 if it has acknowledged all.")
       .def_prop_ro("delivered", &held<&Link::delivered>,
                    "The board has all messages of the job so far.")
-      .def("go_on", &held<&Link::go_on>)
+      .def("resume", &held<&Link::resume>)
       .def("stop_job", &held<[](Link& l) { l.job().stop(); }>)
       .def(
           "add_heater",
@@ -243,7 +243,7 @@ void bind_link(nb::module_& m) {
           },
           "options"_a, nb::rv_policy::reference_internal)
       .def_prop_ro("shut_down", &held<&Link::shut_down>)
-      .def_prop_ro("alone", &held<&Link::alone>, "The board has stopped by itself.")
+      .def_prop_ro("self_stopped", &held<&Link::self_stopped>, "The board has stopped by itself.")
       .def_prop_ro("stopped_with_others", &held<&Link::stopped_with_others>,
                    "The board was shut down because another one of the machine had failed.")
       .def_prop_ro("shutdown_reason", &held<&Link::shutdown_reason>)

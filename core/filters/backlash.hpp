@@ -131,11 +131,11 @@ class Backlash {
   struct Cubic {
     double t, d, q, v, a, j, end, end_speed;
 
-    double way(double u) const { return u * (v + u * (0.5 * a + u * (j * (1.0 / 6)))); }
+    double travel(double u) const { return u * (v + u * (0.5 * a + u * (j * (1.0 / 6)))); }
     double speed(double u) const { return v + u * (a + 0.5 * u * j); }
     // Cuts off the first u ticks and returns them.
     Cubic take(double u) {
-      const Cubic first{t, u, q, v, a, j, q + way(u), speed(u)};
+      const Cubic first{t, u, q, v, a, j, q + travel(u), speed(u)};
       *this = {t + u, d - u, first.end, first.end_speed, a + j * u, j, end, end_speed};
       return first;
     }
@@ -144,7 +144,7 @@ class Backlash {
       double low = 0, high = d;
       for (int i = 0; i < 60; ++i) {
         const double middle = 0.5 * (low + high);
-        (way(middle) * dir < distance ? low : high) = middle;
+        (travel(middle) * dir < distance ? low : high) = middle;
       }
       return high;
     }
@@ -163,8 +163,8 @@ class Backlash {
   double lead_at(double t, double q) const {
     const Turn turn = before(t);
     if (turn.dir == 0) return turn.lead;
-    const double way = std::max((q - turn.q) * turn.dir, 0.0);
-    return std::min(std::max(turn.lead + turn.dir * per_ * way, 0.0), gap_);
+    const double distance = std::max((q - turn.q) * turn.dir, 0.0);
+    return std::min(std::max(turn.lead + turn.dir * per_ * distance, 0.0), gap_);
   }
   void cut(double t, const Backlash& of) {
     if (&of != this) turns_.clear();
@@ -178,13 +178,14 @@ class Backlash {
     if (stands ? dir_ != 0 : dir != 0 && dir != dir_) turn(stands ? 0 : dir);
     const double left = dir > 0 ? gap_ - lead_ : dir < 0 ? lead_ : 0;
     if (left > 0) {
-      const double way = std::fabs(c.end - c.q), all = left / per_, faster = 1 + per_;
-      Cubic first = way > all ? c.take(c.after(all, dir)) : c;
+      const double distance = std::fabs(c.end - c.q), all = left / per_, faster = 1 + per_;
+      Cubic first = distance > all ? c.take(c.after(all, dir)) : c;
       const double before = lead_;
-      lead_ = way > all ? lead_after(dir) : std::min(std::max(lead_ + dir * per_ * way, 0.0), gap_);
+      lead_ = distance > all ? lead_after(dir)
+                             : std::min(std::max(lead_ + dir * per_ * distance, 0.0), gap_);
       sink.cubic(first.t, first.d, first.q + before, faster * first.v, faster * first.a,
                  faster * first.j, first.end + lead_, faster * first.end_speed);
-      if (!(way > all)) return close(c);
+      if (!(distance > all)) return close(c);
     }
     sink.cubic(c.t, c.d, c.q + lead_, c.v, c.a, c.j, c.end + lead_, c.end_speed);
     close(c);
@@ -196,9 +197,9 @@ class Backlash {
     if (dir != dir_) turn(dir);
     const double left = dir > 0 ? gap_ - lead_ : dir < 0 ? lead_ : 0;
     if (left > 0) {
-      const double way = std::max((q - q_) * dir, 0.0), all = left / per_, faster = 1 + per_;
-      if (way <= all) {
-        lead_ = std::min(std::max(lead_ + dir * per_ * way, 0.0), gap_);
+      const double distance = std::max((q - q_) * dir, 0.0), all = left / per_, faster = 1 + per_;
+      if (distance <= all) {
+        lead_ = std::min(std::max(lead_ + dir * per_ * distance, 0.0), gap_);
         v0 *= faster, v1 *= faster, a *= faster;
       } else {
         const double root = v0 * v0 + 2 * a * dir * all;

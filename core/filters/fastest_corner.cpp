@@ -84,8 +84,10 @@ void FastestCorner::forget(double before) {
     for (int j = 0; j < 2; ++j) {
       Backlash& gap = gaps_[size_t(j)];
       if (!gap.on() || m.kind == MoveKind::dwell) continue;
-      const double steps = own_motor(j)->steps_per_unit, way = m.p1[j] - m.p0[j];
-      const double speed = way > 0 ? 1 : way < 0 ? -1 : 0;  // the lead depends on the distance only
+      const double steps = own_motor(j)->steps_per_unit, distance = m.p1[j] - m.p0[j];
+      const double speed = distance > 0   ? 1
+                           : distance < 0 ? -1
+                                          : 0;  // the lead depends on the distance only
       Nothing nothing;
       gap.pass(m.end(), m.p1[j] * steps, speed, speed, 0, nothing);
       gap.forget(m.end());

@@ -79,12 +79,12 @@ class Phases {
     advance_ = advance;
     share_ = share;
     fresh_ = true;
-    double at = m.start, way = 0;
+    double at = m.start, distance = 0;
     phase(at, until, p0, w * m.v0, ww * m.a, m.t_acc);
-    if (m.t_acc > 0) at += m.t_acc, way = m.d_acc;
-    phase(at, until, p0 + u * way, w * m.vc, 0, m.t_cru);
-    if (m.t_cru > 0) at += m.t_cru, way += m.d_cru;
-    phase(at, until, p0 + u * way, w * m.vc, -ww * m.b, m.t_dec);
+    if (m.t_acc > 0) at += m.t_acc, distance = m.d_acc;
+    phase(at, until, p0 + u * distance, w * m.vc, 0, m.t_cru);
+    if (m.t_cru > 0) at += m.t_cru, distance += m.d_cru;
+    phase(at, until, p0 + u * distance, w * m.vc, -ww * m.b, m.t_dec);
     end_ = m.end();
     at_end_ = p1;
     if (end_ > until) {

@@ -180,7 +180,7 @@ class SmoothLaw {
     const Edge& newest = edges_[end - 1];
     const double reference = p.q[newest.k] + along(p, newest.k, t_ - newest.delay).q;
     // Integral of the position, and the first two integrals of the advance.
-    double way = 0, once = 0, twice = 0, at = t_ - edges_[first].delay;
+    double integral = 0, once = 0, twice = 0, at = t_ - edges_[first].delay;
     size_t k = edges_[first].k;
     q_ += reference;
     for (size_t i = first; i < end; ++i) {
@@ -190,7 +190,7 @@ class SmoothLaw {
         const double until = k == e.k ? to : p.t[k + 1];
         const double d = until - at, q = (p.q[k] - reference) + along(p, k, at).q;
         const double v = along(p, k, at).v, a = p.stands[k] ? 0 : p.a[k];
-        way += d * (q + d * (0.5 * v + d * a * (1.0 / 6)));
+        integral += d * (q + d * (0.5 * v + d * a * (1.0 / 6)));
         if (!p.advanced.empty()) {
           const double y = advanced(p, k, at), slope = p.advanced[k].slope;
           twice += d * (once + d * (0.5 * y + d * slope * (1.0 / 6)));
@@ -201,7 +201,7 @@ class SmoothLaw {
       }
       const Place here = along(p, k, to);
       const double x = (p.q[k] - reference) + here.q;
-      q_ += e.direct * x + e.box * way;
+      q_ += e.direct * x + e.box * integral;
       v_ += e.direct * here.v + e.box * x;
       a_ += e.direct * p.a[k] + e.box * here.v;
       j_ += e.box * p.a[k];

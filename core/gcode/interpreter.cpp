@@ -9,25 +9,26 @@
 
 namespace passo {
 
-Found Interpreter::next() {
+ParseResult Interpreter::next() {
   for (;;) {
     if (!pending_.empty()) {
       Item item = std::move(pending_.front());
       pending_.pop_front();
-      if (item.found == Found::move) {
-        if (item.joins ? take_now(item.move, false) : take(item.move)) return Found::move;
+      if (item.found == ParseResult::move) {
+        if (item.joins ? take_now(item.move, false) : take(item.move)) return ParseResult::move;
         continue;
       }
-      if (item.found == Found::event || item.found == Found::macro) event_ = std::move(item.event);
-      if (item.found == Found::error) error_ = std::move(item.error);
+      if (item.found == ParseResult::event || item.found == ParseResult::macro)
+        event_ = std::move(item.event);
+      if (item.found == ParseResult::error) error_ = std::move(item.error);
       return item.found;
     }
     if (arc_.active()) {
-      if (next_chord()) return Found::move;
+      if (next_chord()) return ParseResult::move;
       continue;
     }
     if (cycle_.active()) {
-      if (next_of_cycle()) return Found::move;
+      if (next_of_cycle()) return ParseResult::move;
       continue;
     }
     if (next_word_ > 0) {
@@ -41,7 +42,7 @@ Found Interpreter::next() {
         feed_frame();
         continue;
       }
-      return lines().finished() ? Found::end : Found::need_input;
+      return lines().finished() ? ParseResult::end : ParseResult::need_input;
     }
     machine_zero_ = false;
     if (lines().too_long()) {
@@ -51,38 +52,39 @@ Found Interpreter::next() {
     }
     if (end - p > 3 && (p[0] == 'G') && (p[1] == '1' || p[1] == '0') && p[2] == ' ' &&
         !watching() && ended_line_ == 0) {
-      Found found = fast_move(p + 3, end, p[1] == '0');
-      if (found == Found::move) return found;
-      if (found == Found::end) continue;
+      ParseResult found = fast_move(p + 3, end, p[1] == '0');
+      if (found == ParseResult::move) return found;
+      if (found == ParseResult::end) continue;
     }
     run_line(p, end);
   }
 }
 
 // Fast path for G0 and G1 with upper-case axis letters, E and F, each with a number. Returns
-// Found::end if the line is done and has no move, Found::error if run_line() must read the line.
-inline Found Interpreter::fast_move(const char* p, const char* end, bool rapid) {
-  if (any_due_) return Found::error;
+// ParseResult::end if the line is done and has no move, ParseResult::error if run_line() must read
+// the line.
+inline ParseResult Interpreter::fast_move(const char* p, const char* end, bool rapid) {
+  if (any_due_) return ParseResult::error;
   double value[26];
   uint32_t have = 0;
   for (;;) {
     while (p < end && (*p == ' ' || *p == '\t')) ++p;
     if (p == end || *p == ';') break;
     unsigned k = unsigned(*p - 'A');
-    if (k >= 26 || (letter_slot_[k] < 0 && k != 5)) return Found::error;
+    if (k >= 26 || (letter_slot_[k] < 0 && k != 5)) return ParseResult::error;
     ++p;
-    if (!read_number(p, end, value[k]) || looks_like_exponent(p, end)) return Found::error;
-    if (std::fabs(value[k]) > kLargestWord || (have >> k & 1)) return Found::error;
+    if (!read_number(p, end, value[k]) || looks_like_exponent(p, end)) return ParseResult::error;
+    if (std::fabs(value[k]) > kLargestWord || (have >> k & 1)) return ParseResult::error;
     have |= 1u << k;
   }
   if (have >> 5 & 1) {
-    if (!(value[5] > 0)) return Found::error;
+    if (!(value[5] > 0)) return ParseResult::error;
     feed_ = value[5] * unit_ / 60;
   }
   motion_ = rapid ? 0 : 1;
   ++commands_;
   note_moved();
-  return straight(value, have & ~(1u << 5), feed_, 0, rapid) ? Found::move : Found::end;
+  return straight(value, have & ~(1u << 5), feed_, 0, rapid) ? ParseResult::move : ParseResult::end;
 }
 
 // Calculates the target from the letters in `have` and takes the move. Returns false if nothing
@@ -224,12 +226,12 @@ bool Interpreter::waits_for_height(const MoveRequest& m, bool follows) {
   if (z >= height_low && z <= height_high) return false;
   height_low = -kInfinity, height_high = kInfinity;
   Item move{}, event{};
-  move.found = Found::move;
+  move.found = ParseResult::move;
   move.move = m;
   move.joins = !follows;
   char text[40];
   std::snprintf(text, sizeof text, "Z=%.9g", z);
-  event.found = Found::event;
+  event.found = ParseResult::event;
   event.event = {m.line, 0, 0, 0, "TUNING_TOWER", text};
   pending_.push_front(std::move(move));
   pending_.push_front(std::move(event));

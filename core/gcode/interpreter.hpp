@@ -57,7 +57,7 @@ class Interpreter {
   // is 1, a new program starts: the layer count is 0 and the list of objects is empty.
   void restart(uint32_t first = 1);
   // Reads until it finds a move, an event or an error, or until the text ends.
-  Found next();
+  ParseResult next();
   const MoveRequest& move() const { return move_; }
   const Event& event() const { return event_; }
   const GcodeError& error() const { return error_; }
@@ -69,9 +69,9 @@ class Interpreter {
   // True if all text is read and the last line is a move without a line end: the line may be cut
   // short.
   bool ends_in_move() const { return lines().unended() && moved_line_ == number(); }
-  // After Found::macro: inserts the lines of macro `code` before the rest of the line that calls
-  // it. If the macro replaces a built-in command, that command is the built-in one while these
-  // lines run.
+  // After ParseResult::macro: inserts the lines of macro `code` before the rest of the line that
+  // calls it. If the macro replaces a built-in command, that command is the built-in one while
+  // these lines run.
   void insert(std::string_view text, std::string_view code = {});
   // In the middle of a command: lines that are read before the rest of its line. At their end,
   // next() returns Found::need_input until leave_apart().
@@ -248,7 +248,7 @@ class Interpreter {
       100'000;  // maximum calls of sub-programs without a move
 
   struct Item {  // a result of the line that next() has not returned yet
-    Found found;
+    ParseResult found;
     bool joins = false;  // the move comes from join()
     MoveRequest move;
     Event event;
@@ -440,7 +440,7 @@ class Interpreter {
   }
 
   // interpreter.cpp: the fast path, and what all moves have in common
-  Found fast_move(const char* p, const char* end, bool rapid);
+  ParseResult fast_move(const char* p, const char* end, bool rapid);
   bool straight(const double* value, uint32_t have, double feed, double duration, bool rapid);
   bool target(const double* value, uint32_t have, uint32_t relative, uint32_t offset);
   bool take(MoveRequest& m);
@@ -456,7 +456,8 @@ class Interpreter {
   bool ends_text(const char* p, const char*& end);
   void comment(std::string_view text);
   void pass_on(std::string_view name, std::string_view text);
-  void hear(std::string_view code, const Word* first, const Word* last, std::string_view text = "");
+  void note_command(std::string_view code, const Word* first, const Word* last,
+                    std::string_view text = "");
   void emit(char letter, int number, int minor, std::string_view name, std::string_view text);
   bool is_macro(const std::string& code) const {
     return !plain && machine_->macros.has(code) &&

@@ -20,14 +20,14 @@ void Interpreter::run_command(const Word& command, const Word* w, const Word* en
   const auto [code, minor] = code_of(command);
   const std::string name = code_name(command.letter, code, minor);
   if (!command.built_in && is_macro(name)) {
-    hear(name, w, end, text);
+    note_command(name, w, end, text);
     return emit_macro(command.letter, code, minor, "", text);
   }
   const bool modal = before_axes(command.letter, code, minor) && moves(w, end);
   if (modal || before_modal(command.letter, code, minor))
-    hear(name, w, w);
+    note_command(name, w, w);
   else
-    hear(name, w, end, text);
+    note_command(name, w, end, text);
   if (modal) {
     emit(command.letter, code, minor, "", "");
     return run_modal(w, end);
@@ -200,7 +200,7 @@ void Interpreter::run_dwell(const Arguments& a) {
   m.duration_s = std::max(m.duration_s, m.energy_ws / laser_.most_w);
   if (m.duration_s > 0) {
     Item item{};
-    item.found = Found::move;
+    item.found = ParseResult::move;
     item.move = m;
     pending_.push_back(item);
   }
@@ -304,15 +304,15 @@ void Interpreter::run_modal(const Word* w, const Word* end) {
   if (w == end) return;
   if (motion_ > 3) {  // an unsupported motion: one event for each of its lines
     if (canned(motion_)) {
-      hear("", w, end);
+      note_command("", w, end);
       return run_cycle(motion_ / 10, w, end);
     }
     std::string_view text = std::string_view(text_).substr(w->begin, end[-1].end - w->begin);
-    hear(code_name('G', motion_ / 10, motion_ % 10), w, end, text);
+    note_command(code_name('G', motion_ / 10, motion_ % 10), w, end, text);
     return emit('G', motion_ / 10, motion_ % 10, "", text);
   }
   note_moved();
-  hear("", w, end);
+  note_command("", w, end);
   run_motion(motion_, w, end);
 }
 

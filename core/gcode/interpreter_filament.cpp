@@ -93,13 +93,13 @@ void Interpreter::leave_filament(size_t extruder, double mm) {
     arc_.shift(kE, -mm);
   }
   for (Item& item : pending_)  // a tool change comes after them, so they move the extruder in use
-    if (item.found == Found::move && extruder == active_) item.move.target[kE] -= mm;
+    if (item.found == ParseResult::move && extruder == active_) item.move.target[kE] -= mm;
 }
 
 double Interpreter::meant_mm() const {
   double mm = arc_.active() ? arc_.left(kE) : 0, from = position_[kE];
   for (const Item& item : pending_) {
-    if (item.found != Found::move || item.move.kind == MoveKind::dwell) continue;
+    if (item.found != ParseResult::move || item.move.kind == MoveKind::dwell) continue;
     if (item.move.flow > 0) mm += item.move.target[kE] - from;
     from = item.move.target[kE];
   }
@@ -123,7 +123,7 @@ void Interpreter::change_flow(size_t extruder, FlowChange& change) {
     return end;
   };
   for (Item& item : pending_)
-    if (item.found == Found::move && item.move.kind != MoveKind::dwell)
+    if (item.found == ParseResult::move && item.move.kind != MoveKind::dwell)
       item.move.target[kE] = pass(item.move.target[kE], item.move.flow);
   if (!arc_.active()) return;
   double start = change.position(from), end = pass(from + arc_.left(kE), arc_move_.flow);

@@ -54,7 +54,7 @@ void Interpreter::run_line(const char* p, const char* end) {
     std::string name = text.substr(0, code);
     for (char& c : name) c = char(std::toupper(uint8_t(c)));
     const std::string_view rest = without_comment(std::string_view(text).substr(code));
-    hear(name, nullptr, nullptr, rest);
+    note_command(name, nullptr, nullptr, rest);
     return run_objects(name, rest);
   }
   strip_comments(text, note);
@@ -138,7 +138,7 @@ void Interpreter::run_words() {
       if (!motion && !begins) return;  // further words of the T command
       if (!motion) {
         if (w->letter == 'S' && w->number) {
-          hear("S", w, end);
+          note_command("S", w, end);
           return emit('S', 0, 0, "", text);
         }
         std::string name = unknown_name(text, *w);
@@ -163,7 +163,7 @@ void Interpreter::run_words() {
       if (!w->built_in && is_macro(code)) {
         Word* next = std::find_if(w + 1, end, starts);
         const size_t to = next < end ? next->begin : text.size();
-        hear(code, w + 1, next);
+        note_command(code, w + 1, next);
         emit_macro('T', number, 0, "", text.substr(w->end, to - w->end));
         next_word_ = next < end ? size_t(next - words_.data()) : 0;
         return;
@@ -241,11 +241,11 @@ void Interpreter::pass_on(std::string_view name, std::string_view text) {
     const std::string* original = macros.original(code);
     if (original) name = *original;
     if (!original && is_macro(code)) {
-      hear(name, nullptr, nullptr, text);
+      note_command(name, nullptr, nullptr, text);
       return emit_macro(0, 0, 0, name, text);
     }
   }
-  hear(name, nullptr, nullptr, text);
+  note_command(name, nullptr, nullptr, text);
   emit(0, 0, 0, name, text);
 }
 
@@ -265,8 +265,8 @@ void Interpreter::find_built_in() {
   }
 }
 
-void Interpreter::hear(std::string_view code, const Word* first, const Word* last,
-                       std::string_view text) {
+void Interpreter::note_command(std::string_view code, const Word* first, const Word* last,
+                               std::string_view text) {
   ++commands_;
   if (!watching()) return;
   std::vector<std::string> words;
@@ -282,7 +282,7 @@ void Interpreter::hear(std::string_view code, const Word* first, const Word* las
 void Interpreter::emit(char letter, int number, int minor, std::string_view name,
                        std::string_view text) {
   Item item{};
-  item.found = Found::event;
+  item.found = ParseResult::event;
   name = name.substr(0, kMaxNameBytes);
   item.event = {this->number(), letter, number, minor, readable(name), readable(text)};
   pending_.push_back(std::move(item));
@@ -294,12 +294,12 @@ void Interpreter::emit_macro(char letter, int number, int minor, std::string_vie
   while (!text.empty() && std::isspace(uint8_t(text.front()))) text.remove_prefix(1);
   while (!text.empty() && std::isspace(uint8_t(text.back()))) text.remove_suffix(1);
   emit(letter, number, minor, name, text);
-  pending_.back().found = Found::macro;
+  pending_.back().found = ParseResult::macro;
 }
 
 void Interpreter::fail(Fault fault, const std::string& word, double value, double limit) {
   Item item{};
-  item.found = Found::error;
+  item.found = ParseResult::error;
   item.error = {number(), fault, readable(word), value, limit, {0, 0, 0}};
   pending_.push_back(std::move(item));
 }

@@ -137,7 +137,7 @@ void Interpreter::queue_straight(double feed, double duration, bool rapid, doubl
   move_.rapid = rapid;
   stamp(move_);
   Item item{};
-  item.found = Found::move;
+  item.found = ParseResult::move;
   item.move = move_;
   item.move.kind = MoveKind::travel;
   pending_.push_back(std::move(item));
@@ -147,13 +147,13 @@ void Interpreter::queue_straight(double feed, double duration, bool rapid, doubl
 void Interpreter::queue_step(int j, double by, double feed) {
   if (by == 0) return;
   Item item{};
-  item.found = Found::move;
+  item.found = ParseResult::move;
   MoveRequest& m = item.move;
   double start[kAxes];
   here(start);
   const double* from = start;
   for (const Item& x : pending_)
-    if (x.found == Found::move) from = x.move.target;
+    if (x.found == ParseResult::move) from = x.move.target;
   std::copy(from, from + kAxes, m.target);
   m.target[j] += by;
   m.hop_mm = hop_;

@@ -65,7 +65,7 @@ void Interpreter::forget_objects() {
 void Interpreter::pass_filament(int j, double mm) {
   arc_.shift(j, mm);
   for (Item& item : pending_)
-    if (item.found == Found::move) item.move.target[j] += mm;
+    if (item.found == ParseResult::move) item.move.target[j] += mm;
   if (j != kE) origin_[j] += mm;
 }
 
@@ -133,21 +133,21 @@ bool Interpreter::join(const MoveRequest& m) {
     return false;
   }
 
-  std::vector<Item> way;
+  std::vector<Item> items;
   double at[kAxes];  // end of the moves queued so far
   std::copy(position_, position_ + kAxes, at);
   auto as_meant = [&] {
     Item item{};
-    item.found = Found::move;
+    item.found = ParseResult::move;
     item.joins = true;
     item.move = m;
     std::copy(at, at + kAxes, item.move.target);
-    way.push_back(std::move(item));
+    items.push_back(std::move(item));
   };
   // Queues a travel that is not part of the program.
   auto step = [&](double feed) {
     as_meant();
-    MoveRequest& s = way.back().move;
+    MoveRequest& s = items.back().move;
     s.kind = MoveKind::travel;
     if (feed > 0) s.feed_mm_s = feed;
     s.moved = 0;
@@ -195,7 +195,7 @@ bool Interpreter::join(const MoveRequest& m) {
     retract();
     if (!std::equal(at, at + kAxes, position_)) {
       as_meant();
-      way.back().move.hop_mm = way.back().move.flow = 0;
+      items.back().move.hop_mm = items.back().move.flow = 0;
     }
     gap_[kZ] = m.target[kZ] - at[kZ];
     if (std::fabs(gap_[kZ]) <= kRounding) gap_[kZ] = 0;
@@ -216,7 +216,7 @@ bool Interpreter::join(const MoveRequest& m) {
     if (!forward) {
       retract();
       as_meant();
-      way.back().move.hop_mm = way.back().move.flow = 0;
+      items.back().move.hop_mm = items.back().move.flow = 0;
     } else if (far || at[kZ] != position_[kZ]) {
       step(skipped_feed_);
     }
@@ -227,7 +227,7 @@ bool Interpreter::join(const MoveRequest& m) {
     if (forward && !across && by[kZ] == 0) {
       each_strand([&](int j, Strand& strand) { feed_strand(j, strand.excess + by[j], by[j]); });
       as_meant();
-      way.back().move.flow = 0;
+      items.back().move.flow = 0;
     } else if (forward) {
       settle(false);
       for (int j = 0; j < kAxes; ++j) at[j] = is_filament(j) ? at[j] + by[j] : m.target[j];
@@ -236,8 +236,8 @@ bool Interpreter::join(const MoveRequest& m) {
     }
     std::fill(std::begin(gap_), std::end(gap_), 0.0);
   }
-  pending_.insert(pending_.begin(), std::make_move_iterator(way.begin()),
-                  std::make_move_iterator(way.end()));
+  pending_.insert(pending_.begin(), std::make_move_iterator(items.begin()),
+                  std::make_move_iterator(items.end()));
   look_apart();
   return false;
 }

@@ -24,7 +24,7 @@ void Interpreter::select_tool(const Word& word) {
   if (tool == 0 && machine_->tools.empty()) return;  // extruders are axes
   if (tool < 0)
     return pass_on(code_name('T', tool), "");  // T-1 may mean no tool: the caller decides
-  hear(code_name('T', tool), nullptr, nullptr);
+  note_command(code_name('T', tool), nullptr, nullptr);
   if (size_t(tool) >= machine_->tools.size()) {
     if (!ignore_tools) return fail(Fault::missing_tool, "T", tool, double(machine_->tools.size()));
     return emit('T', tool, 1, "", "");
@@ -89,7 +89,7 @@ bool Interpreter::lays_filament() const {
 // Queues a travel to `to`, where a line of filament or an arc starts with the tool in use.
 void Interpreter::queue_offset(const double* to, double feed) {
   Item item{};
-  item.found = Found::move;
+  item.found = ParseResult::move;
   MoveRequest& m = item.move;
   std::copy(to, to + kAxes, m.target);
   double from[kAxes];

@@ -8,7 +8,7 @@ namespace passo {
 
 // What Interpreter::next() has found. After `macro` the caller passes the lines of the macro to
 // Interpreter::insert().
-enum class Found : uint8_t { move, event, macro, error, need_input, end };
+enum class ParseResult : uint8_t { move, event, macro, error, need_input, end };
 
 // A command that the caller must carry out before it reads on.
 struct Event {

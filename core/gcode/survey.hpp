@@ -108,12 +108,12 @@ class Survey {
       if (plain(p, end)) continue;
       splitter_.feed(p, size_t(end - p));
       splitter_.feed("\n", 1);
-      Found found;
-      while ((found = splitter_.next()) != Found::need_input)
-        if (found == Found::event)
+      ParseResult found;
+      while ((found = splitter_.next()) != ParseResult::need_input)
+        if (found == ParseResult::event)
           note(splitter_.event());
         else  // a macro may move: its lines are known only when it runs
-          moves_ = moves_ || found == Found::move || found == Found::macro;
+          moves_ = moves_ || found == ParseResult::move || found == ParseResult::macro;
     }
   }
 

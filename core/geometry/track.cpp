@@ -26,14 +26,14 @@ void Geometry::follow(int i, const Track& track, Followed& out) const {
   out.q[0] = q;
   for (size_t k = 0; k < track.n; ++k) {
     const double d = track.t[k + 1] - track.t[k];
-    double from[3], half[3], v0[3], v1[3], mean[3], way0 = 0, way1 = 0;
+    double from[3], half[3], v0[3], v1[3], mean[3], square0 = 0, square1 = 0;
     for (size_t j = 0; j < 3; ++j) {
       from[j] = to[j], to[j] = track.p[j][k + 1];
       v0[j] = track.v0[j][k], v1[j] = track.v1[j][k];
       mean[j] = 0.5 * (v0[j] + v1[j]);
       if (track.cubic) mean[j] = 1.5 * (to[j] - from[j]) / d - 0.5 * mean[j];
       half[j] = 0.5 * (from[j] + to[j]) - 0.125 * d * (v1[j] - v0[j]);
-      way0 += v0[j] * v0[j], way1 += v1[j] * v1[j];
+      square0 += v0[j] * v0[j], square1 += v1[j] * v1[j];
     }
     const double before = q;
     double middle = q;
@@ -45,7 +45,7 @@ void Geometry::follow(int i, const Track& track, Followed& out) const {
     // The fifth derivative changes the speed in the middle by seven times the largest error of the
     // position.
     const double off = s - 1.5 * (q - before) / d + 0.25 * (s0 + s1);
-    const bool far = std::max(way0, way1) * d * d > kFarthestMm * kFarthestMm;
+    const bool far = std::max(square0, square1) * d * d > kFarthestMm * kFarthestMm;
     out.error[k] = far ? kInfinity : 0.5 * std::fabs(off) * d;
   }
 }

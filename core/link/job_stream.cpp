@@ -96,11 +96,11 @@ void JobStream::start(Ticks base) {
   running_ = true;
 }
 
-void JobStream::go_on() {
+void JobStream::resume() {
   ends_.clear();
   staged_ = kNever;
   complete_ = false;
-  if (retimer_) retimer_->begin_anew();
+  if (retimer_) retimer_->restart();
   for (Pin& pin : pins_)
     if (pin.kick.interrupt() || pin.longest > 0) pin.value = 0;  // the board has switched it off
   running_ = true;

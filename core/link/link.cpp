@@ -118,7 +118,7 @@ void Link::use_commits(Ticks horizon) {
 }
 
 void Link::begin_commits(bool on) {
-  job_.begin_commits();
+  job_.reset_commits();
   agree();
   if (timeline_ && on) timeline_->begin_commits();
 }
@@ -149,7 +149,7 @@ bool Link::acknowledged() const {
   return stop_.empty() && now_queue_.empty() && !holds_command_ && window_.acked() > last_command_;
 }
 
-double Link::unheard_s(Ticks clock) const {
+double Link::unacknowledged_s(Ticks clock) const {
   if (window_.idle()) return 0;
   return double(sync_.host_at(clock) - window_.sent_at(window_.acked())) / hz_;
 }
@@ -163,13 +163,13 @@ bool Link::delivered() const {
   return all && open_first_ == kNever && window_.acked() > last_of_job_ && taken_;
 }
 
-void Link::go_on() {
+void Link::resume() {
   configured_ = true;
-  alone_ = false;
+  self_stopped_ = false;
   agree();
   map_anew_ = job_.retimer() != nullptr;
   heaters_.tell_kept_again();
-  job_.go_on();
+  job_.resume();
 }
 
 bool Link::feed(const uint8_t* data, size_t n, Ticks now) {
@@ -289,7 +289,7 @@ inline bool Link::fill_frame(Ticks clock, bool& more) {
 
 inline JobStream::Word Link::word_for(uint32_t serial, bool rest) {
   if (timeline_) {
-    waits_ = alone_ || !taken_ || open_first_ != kNever || window_.acked() <= last_of_job_ ||
+    waits_ = self_stopped_ || !taken_ || open_first_ != kNever || window_.acked() <= last_of_job_ ||
              !timeline_->may_commit(seat_, serial);
     if (waits_) return JobStream::Word::no;
   }
@@ -300,13 +300,13 @@ inline JobStream::Word Link::word_for(uint32_t serial, bool rest) {
 }
 
 inline bool Link::must_ask_state() const {
-  return !taken_ && !queried_ && !alone_ && job_.running() && open_first_ == kNever &&
+  return !taken_ && !queried_ && !self_stopped_ && job_.running() && open_first_ == kNever &&
          window_.acked() > std::max(last_of_job_, query_);
 }
 
 void Link::take_state(int64_t state, uint32_t serial) {
   taken_ |= serial == committed_;
-  alone_ |= state >= kBraking || (!taken_ && window_.acked() > last_of_job_ + 1);
+  self_stopped_ |= state >= kBraking || (!taken_ && window_.acked() > last_of_job_ + 1);
 }
 
 void Link::follow_orders() {
@@ -326,7 +326,7 @@ void Link::renew_map(double job_clock) {
 
 void Link::begin_map_anew(Ticks now) {
   renewed_ = double(main_clock(sync_.clock_at(now)) - main_base_);
-  job_.retimer()->map().begin_anew(renewed_, [this](double t) { return expected(t); });
+  job_.retimer()->map().restart(renewed_, [this](double t) { return expected(t); });
 }
 
 void Link::follow_timeline(Ticks now) {

@@ -97,22 +97,22 @@ class Link {
   void restart();
 
   // The board has not received messages in time, and stops by itself.
-  bool alone() const { return alone_; }
+  bool self_stopped() const { return self_stopped_; }
 
   // The link was broken, and the board has run without the host: messages on their way are dropped,
-  // and the job waits for go_on().
+  // and the job waits for resume().
   void reconnect();
   // The board has all commands that were sent at once. Their immediate answers have arrived, or are
   // lost.
   bool acknowledged() const;
   // Age in seconds of the oldest message that the board has not acknowledged, when its clock reads
   // `clock`; 0 if all are acknowledged.
-  double unheard_s(Ticks clock) const;
+  double unacknowledged_s(Ticks clock) const;
   // The board has all messages of the job so far. If motion comes in commits, the board has
   // confirmed the commit that ends at standstill.
   bool delivered() const;
   // The outputs of the board are under control again; the job continues.
-  void go_on();
+  void resume();
 
   uint64_t wire_bytes() const { return wire_bytes_; }
   uint64_t frames() const { return frames_; }
@@ -185,15 +185,15 @@ class Link {
           shutdown_id_ = -1000, is_shutdown_id_ = -1000, trsync_id_ = -1000, starting_id_ = -1000;
   bool configured_ = false, restarted_ = false;
   int32_t survive_id_ = -1000;
-  static constexpr int64_t kBraking = 4;   // from this survive_state on, the board acts alone
-  bool alone_ = false, long_ago_ = false;  // the board has not reported for a time
-  uint64_t last_of_job_ = 0;               // number of the last frame with messages of the job
-  uint32_t committed_ = 0;                 // serial of the last commit sent
-  bool taken_ = true;                      // the board has confirmed it, or was not queried
-  bool waits_ = false;                     // a commit message waits for this board or for others
-  uint64_t last_command_ = 0;              // number of the last frame with commands
-  uint64_t query_ = 0;                     // number of the frame with the last other query
-  bool queried_ = false;                   // such a query must be sent
+  static constexpr int64_t kBraking = 4;  // from this survive_state on, the board acts alone
+  bool self_stopped_ = false, long_ago_ = false;  // the board has not reported for a time
+  uint64_t last_of_job_ = 0;   // number of the last frame with messages of the job
+  uint32_t committed_ = 0;     // serial of the last commit sent
+  bool taken_ = true;          // the board has confirmed it, or was not queried
+  bool waits_ = false;         // a commit message waits for this board or for others
+  uint64_t last_command_ = 0;  // number of the last frame with commands
+  uint64_t query_ = 0;         // number of the frame with the last other query
+  bool queried_ = false;       // such a query must be sent
   bool shut_down_ = false;
   uint32_t shutdown_reason_ = 0;
   uint64_t wire_bytes_ = 0, frames_ = 0;

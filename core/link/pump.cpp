@@ -39,7 +39,7 @@ void Pump::record(bool on) {
 }
 
 Stop Pump::run(Ticks until, bool until_heaters) {
-  for (Ticks told = kNever;;) {
+  for (Ticks report_due = kNever;;) {
     if (cut_) return Stop::closed;
     Ticks next = this->next();
     bool any_stopped = false, all_stopped = true, fault = false, reached = until_heaters;
@@ -50,9 +50,9 @@ Stop Pump::run(Ticks until, bool until_heaters) {
       reached = reached && end.link->heaters_reached();
     }
     if (any_stopped) {
-      told = std::min(told, now_ + Ticks(kNewsSeconds * ends_[0].link->hz()));
-      if (all_stopped || now_ >= told) return Stop::shutdown;
-      next = std::min(next, told);
+      report_due = std::min(report_due, now_ + Ticks(kNewsSeconds * ends_[0].link->hz()));
+      if (all_stopped || now_ >= report_due) return Stop::shutdown;
+      next = std::min(next, report_due);
     }
     if (fault) return Stop::fault;
     if (reached) return Stop::heaters;
@@ -105,15 +105,15 @@ Ticks Pump::exchange(End& end, bool& moved) {
     double sent = clock(sampled);
     if (!end.down.empty()) end.device->feed(end.down.data(), end.down.size(), now);
     end.device->poll(now, end.up);
-    double answered = clock(sampled);
-    const bool heard = !end.up.empty();
-    moved |= !end.down.empty() || heard;
-    const bool again = heard && end.link->feed(end.up.data(), end.up.size(), now);
+    double polled = clock(sampled);
+    const bool answered = !end.up.empty();
+    moved |= !end.down.empty() || answered;
+    const bool again = answered && end.link->feed(end.up.data(), end.up.size(), now);
     end.up.clear();
     if (sampled) {
       double reading = asked - begun;  // the time that reading the clock takes
-      device_cpu_ += answered - sent - reading;
-      link_cpu_ += sent - asked + clock(true) - answered - 2 * reading;
+      device_cpu_ += polled - sent - reading;
+      link_cpu_ += sent - asked + clock(true) - polled - 2 * reading;
     }
     if (!again) return next;
   }

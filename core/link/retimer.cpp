@@ -21,10 +21,10 @@ void Retimer::set_apart(size_t stepper, Apart apart) {
 
 void Retimer::start(double job_hz, double ratio) {
   map_.start(job_hz, ratio);
-  begin_anew();
+  restart();
 }
 
-void Retimer::begin_anew() {
+void Retimer::restart() {
   for (Motor& motor : motors_) motor = Motor(motor.apart);
   ready_.clear();
 }
@@ -36,11 +36,11 @@ int64_t Retimer::clock_of(int64_t clock) const {
 void Retimer::retime(const Message& m) {
   if (m.kind == MessageKind::tail) return tail(m);
   map_.use(double(m.end_clock));
-  if (m.kind == MessageKind::queue_step) return steps(m, motors_[m.target].way);
+  if (m.kind == MessageKind::queue_step) return steps(m, motors_[m.target].progress);
   Message mapped = m;
   mapped.clock = mapped.end_clock = clock_of(m.clock);
-  if (m.kind == MessageKind::set_dir) motors_[m.target].way.turning = true;
-  if (m.kind == MessageKind::reset_clock) motors_[m.target].way.begin(m.clock, mapped.clock);
+  if (m.kind == MessageKind::set_dir) motors_[m.target].progress.turning = true;
+  if (m.kind == MessageKind::reset_clock) motors_[m.target].progress.reset(m.clock, mapped.clock);
   if (m.kind == MessageKind::commit)
     for (Motor& motor : motors_) motor.tail.reset();
   ready_.push(mapped);
@@ -48,22 +48,22 @@ void Retimer::retime(const Message& m) {
 
 void Retimer::tail(const Message& m) {
   Motor& motor = motors_[m.target];
-  if (!motor.tail) motor.tail = motor.way;
-  Way& way = *motor.tail;
+  if (!motor.tail) motor.tail = motor.progress;
+  Progress& progress = *motor.tail;
   Message moved = m;
   if (m.count == 0) {
     int64_t clock = m.clock + int32_t(m.interval - uint32_t(m.clock));
-    way.begin(clock, clock_of(clock));
-    moved.interval = uint32_t(way.last);
+    progress.reset(clock, clock_of(clock));
+    moved.interval = uint32_t(progress.last);
     moved.clock = moved.end_clock = clock_of(m.clock);
     return ready_.push(moved);
   }
-  way.turning |= way.dir != m.dir;
-  moved.end_clock = way.planned + m.span(m.count);
-  steps(moved, way);
+  progress.turning |= progress.dir != m.dir;
+  moved.end_clock = progress.planned + m.span(m.count);
+  steps(moved, progress);
 }
 
-void Retimer::steps(const Message& m, Way& motor) {
+void Retimer::steps(const Message& m, Progress& motor) {
   const Apart& apart_of = motors_[m.target].apart;
   const bool moves = m.kind == MessageKind::queue_step;
   const int64_t count = m.count, start = m.start();

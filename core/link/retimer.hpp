@@ -34,7 +34,7 @@ class Retimer {
   void start(double job_hz, double ratio);
   // The messages taken so far are void: all motors are at standstill, and their clocks are set
   // again.
-  void begin_anew();
+  void restart();
   int64_t clock_of(int64_t clock) const;
 
   // Returns the messages for the board from those taken so far.
@@ -44,23 +44,23 @@ class Retimer {
 
  private:
   // Of a motor, up to its last step.
-  struct Way {
+  struct Progress {
     int64_t planned = 0;  // clock of that step on the timeline
     int64_t last = 0;     // and on this board
     bool turning = false;
     uint8_t dir = 0;
 
-    void begin(int64_t at, int64_t here) {
+    void reset(int64_t at, int64_t here) {
       planned = at;
       last = here;
     }
   };
   struct Motor {
     Apart apart;
-    Way way{};
+    Progress progress{};
     // While a tail is being sent: its commit is always later, because revoked messages are later
     // than all messages taken so far.
-    std::optional<Way> tail{};
+    std::optional<Progress> tail{};
 
     Motor() = default;
     explicit Motor(Apart a) : apart(a) {}
@@ -77,7 +77,7 @@ class Retimer {
   // steps it sets the motor's clock.
   void tail(const Message& m);
 
-  void steps(const Message& m, Way& motor);
+  void steps(const Message& m, Progress& motor);
 };
 
 }  // namespace passo::wire

@@ -33,12 +33,12 @@ void Lateness::arrived(uint64_t number, bool again, Ticks clock) {
   Frame& f = frames_[number % kFrames];
   if (f.need == kNever) return;
   // The answer may have waited for this program.
-  Ticks deaf = overlap(Cause::stall, f.left, clock), way = clock - f.left - deaf;
+  Ticks deaf = overlap(Cause::stall, f.left, clock), transit = clock - f.left - deaf;
   Slack s{f.need - clock + deaf, f.need, 0, Cause::plan};
   for (size_t i = 0; i < kCauses; ++i) {
     Cause cause = Cause(i);
     Ticks held = overlap(cause, f.must, f.left);
-    if (cause == (again ? Cause::retransmits : Cause::bytes)) held += way;
+    if (cause == (again ? Cause::retransmits : Cause::bytes)) held += transit;
     if (held > s.held) s.held = held, s.cause = cause;
   }
   f.need = kNever;

@@ -45,7 +45,7 @@ class TimeMap {
   }
   // From `now` on no time is in use: the chain restarts at the expected clock of the board.
   template <class Expected>
-  void begin_anew(double now, Expected&& expected) {
+  void restart(double now, Expected&& expected) {
     double from = std::ceil(now), value = expected(from);
     pieces_.assign(1, {from, value, (expected(from + hz_) - value) / hz_});
     used_ = from;

@@ -23,11 +23,11 @@ Job::Status Job::advance(double horizon, size_t most, bool to_boundary) {
     if (to_boundary ? interpreter.at_boundary() : left <= 0 || motion.stream().waiting() >= most)
       return Status::full;
     double start = now();
-    Found found = Found::move;
+    ParseResult found = ParseResult::move;
     bool admitted = true;  // false: a move breaks a limit, and reading stops at its line
     batch_.clear();
     read_end_.take_plan_end();
-    while (batch_.size() < Planner::kBatch && (found = interpreter.next()) == Found::move) {
+    while (batch_.size() < Planner::kBatch && (found = interpreter.next()) == ParseResult::move) {
       batch_.push_back(interpreter.move());
       if (bounded) left -= read_end_.least_s(batch_.back()) * motion.machine().clock_hz;
       if (!(admitted = admit(batch_.back())) || may_be_slow_ || left <= 0) break;
@@ -44,18 +44,18 @@ Job::Status Job::advance(double horizon, size_t most, bool to_boundary) {
     cpu_plan += now() - parsed - (motion.cpu().steps + motion.cpu().compress - before);
     if (!admitted) return Status::error;
     switch (found) {
-      case Found::move:
+      case ParseResult::move:
         continue;
-      case Found::event:
+      case ParseResult::event:
         return Status::event;
-      case Found::macro:
+      case ParseResult::macro:
         return Status::macro;
-      case Found::error:
+      case ParseResult::error:
         error_ = interpreter.error();
         return Status::error;
-      case Found::need_input:
+      case ParseResult::need_input:
         return Status::need_input;
-      case Found::end:
+      case ParseResult::end:
         return Status::end;
     }
   }

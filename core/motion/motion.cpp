@@ -409,11 +409,11 @@ bool Motion::still_following() const {
   return true;
 }
 
-void Motion::place(double ticks, uint32_t n, bool alone) {
+void Motion::place(double ticks, uint32_t n, bool without_move) {
   for (; n > 0; --n) {
     Record r = records_.front();
     records_.pop_front();
-    r.alone = alone;
+    r.without_move = without_move;
     if (r.target >= kMark) {
       r.clock = stream_.not_before(ticks);
       marks_.push_back(r);
@@ -493,15 +493,16 @@ uint32_t Motion::take_back(int64_t at, std::vector<Move>& rest, bool under_way) 
     auto after_move = [&] {
       return rest[i].records > 0 || double(placed_.back().clock) > rest[i].start + delay() + 0.5;
     };
-    for (; later() && placed_.back().alone && after_move(); ++*next) back();
+    for (; later() && placed_.back().without_move && after_move(); ++*next) back();
     // A record that is due exactly at the cut is executed before this move.
     uint32_t n = 0;
     for (; n < rest[i].records && later(); ++n) back();
-    for (size_t k = rest[i].records - n; k > 0; --k) placed_[placed_.size() - k].alone = true;
+    for (size_t k = rest[i].records - n; k > 0; --k)
+      placed_[placed_.size() - k].without_move = true;
     rest[i].records = n;
   }
   if (under_way) {
-    for (; later() && placed_.back().alone; ++*next) back();
+    for (; later() && placed_.back().without_move; ++*next) back();
     next = &rest[0].records;
   }
   for (; later(); ++*next) back();

@@ -249,8 +249,8 @@ class Motion {
   // After a cut between two moves: whether the move before the cut sets the laser.
   bool still_following() const;
 
-  // The next n records are due at `ticks`. `alone`: they belong to no move.
-  void place(double ticks, uint32_t n, bool alone);
+  // The next n records are due at `ticks`. `without_move`: they belong to no move.
+  void place(double ticks, uint32_t n, bool without_move);
 
   // Drops moves that ended before the last command sent. They cannot be planned again.
   void forget();

@@ -13,7 +13,7 @@ struct Record {
   uint16_t target;
   uint32_t value;
   int64_t clock;
-  bool alone = false;  // it belongs to no move, but came after the last one
+  bool without_move = false;  // it belongs to no move, but came after the last one
 };
 
 struct HeldPlan {

@@ -92,14 +92,14 @@ class BoardBudget {
     double steps = 0, turn = 0;  // turn: steps beyond what the slope of the move before would be
     double slope = 0;            // steps/mm
     double count(const Move& m, bool joints) {
-      double way = 0;
+      double distance = 0;
       if (joint >= 0)
-        way = joints ? m.p1[joint] - m.p0[joint] : 0;
+        distance = joints ? m.p1[joint] - m.p0[joint] : 0;
       else if (axis < 0)
-        for (int j = 0; j < 3; ++j) way += c[j] * (m.p1[j] - m.p0[j]);
+        for (int j = 0; j < 3; ++j) distance += c[j] * (m.p1[j] - m.p0[j]);
       else if (axis != kE || m.extruder == spec->index)
-        way = m.p1[axis] - m.p0[axis];
-      double signed_steps = way * spec->steps_per_unit, was = slope;
+        distance = m.p1[axis] - m.p0[axis];
+      double signed_steps = distance * spec->steps_per_unit, was = slope;
       slope = signed_steps / m.d;
       turn = std::fabs(signed_steps - was * m.d);
       return steps = std::fabs(signed_steps);

@@ -74,16 +74,17 @@ bool Bounds::apply(Move& m, const Rules& rules) const {
   double c[3];
   for (const Row& row : constraints.rows) {
     if (machine_.joints && row.axis < 3 && !machine_.geometry->linear(row.axis, c)) continue;
-    double way = row.axis >= 0 ? delta[row.axis]
-                               : row.c[0] * delta[0] + row.c[1] * delta[1] + row.c[2] * delta[2];
+    double distance = row.axis >= 0
+                          ? delta[row.axis]
+                          : row.c[0] * delta[0] + row.c[1] * delta[1] + row.c[2] * delta[2];
     if (row.axis < 0 && machine_.filters.differ()) {
-      way = 0;  // the axes reach their highest speeds at different times
-      for (int j = 0; j < 3; ++j) way += std::fabs(row.c[j] * delta[j]);
+      distance = 0;  // the axes reach their highest speeds at different times
+      for (int j = 0; j < 3; ++j) distance += std::fabs(row.c[j] * delta[j]);
     }
     double lift = std::fabs(row.c[kZ]);
     const double share = machine_.filters.share(row.c);  // additional speed that takes up a gap
-    const double part = std::fabs(way) * inverse;
-    tighten(row, (std::fabs(way) + lift * bed.slope * m.d) * (1 + share), lift * bed.bend);
+    const double part = std::fabs(distance) * inverse;
+    tighten(row, (std::fabs(distance) + lift * bed.slope * m.d) * (1 + share), lift * bed.bend);
     if (share * part * v > row.jerk) v = row.jerk / (share * part), speed_id = kBacklash;
   }
   if (delta[kE] != 0) tighten(constraints.extruders[m.extruder], delta[kE]);
@@ -189,9 +190,9 @@ Bounds::Turn Bounds::turn_of(const Move& m) {
   const int u = (m.arc_axis + 1) % 3, v = (m.arc_axis + 2) % 3;
   double du = m.p1[u] - m.p0[u], dv = m.p1[v] - m.p0[v], way2 = du * du + dv * dv;
   if (!(way2 > 0)) return turn;
-  double way = std::sqrt(way2);
-  turn.to[u] = -dv / way;
-  turn.to[v] = du / way;
+  double length = std::sqrt(way2);
+  turn.to[u] = -dv / length;
+  turn.to[v] = du / length;
   turn.bend = way2 / (m.d * m.d * m.radius);
   return turn;
 }
@@ -212,16 +213,16 @@ Bounds::Bed Bounds::bed_below(const Move& m) const {
   return bed;
 }
 
-void Bounds::slopes_above(const Bed& bed, int i, const Path& way, double s, double& q1,
+void Bounds::slopes_above(const Bed& bed, int i, const Path& path, double s, double& q1,
                           double& q2) const {
   double first[3], second[3], at[3];
-  for (int j = 0; j < 3; ++j) at[j] = way.p0[j] + (way.p1[j] - way.p0[j]) / way.length * s;
+  for (int j = 0; j < 3; ++j) at[j] = path.p0[j] + (path.p1[j] - path.p0[j]) / path.length * s;
   double lift = machine_.raised(at) - at[kZ];
   for (int side = -1; side <= 1; ++side) {
-    Path line = way;
+    Path line = path;
     double tilt = side * bed.slope;
     line.p0[kZ] += lift - tilt * s;
-    line.p1[kZ] += lift + tilt * (way.length - s);
+    line.p1[kZ] += lift + tilt * (path.length - s);
     machine_.geometry->slopes(i, line, s, first[side + 1], second[side + 1]);
   }
   Path up = {{at[0], at[1], at[2] + lift}, {at[0], at[1], at[2] + lift + 1}, 1};

@@ -77,7 +77,8 @@ class Bounds {
   // Upper bounds for the derivatives of actuator i at s. Along a line whose slope differs by k from
   // that of the path, q' = g + h k and q'' = e + b k + a k²; the bend of the bed moves the actuator
   // as Z does, by h.
-  void slopes_above(const Bed& bed, int i, const Path& way, double s, double& q1, double& q2) const;
+  void slopes_above(const Bed& bed, int i, const Path& path, double s, double& q1,
+                    double& q2) const;
 
   Sample sample(const Move& m, const Constraints& constraints, double s) const;
 };

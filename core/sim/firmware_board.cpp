@@ -100,8 +100,8 @@ void FirmwareBoard::poll(Ticks now, Bytes& out) {
   now_ = std::max(now_, now);
   look();
   size_t size;
-  const uint8_t* said = firmware_->take(&size);
-  out.insert(out.end(), said, said + size);
+  const uint8_t* sent = firmware_->take(&size);
+  out.insert(out.end(), sent, sent + size);
 }
 
 Ticks FirmwareBoard::next_deadline() const {

@@ -34,9 +34,9 @@ void Distant::poll(Ticks now, Bytes& out) {
 
 Ticks Distant::next_deadline() const {
   Ticks next = host_at(device_.next_deadline());
-  for (const Way* way : {&down_, &up_}) {
-    if (!way->flying.empty()) next = std::min(next, way->flying.front().first);
-    if (!way->held.empty()) next = std::min(next, way->until);
+  for (const Direction* direction : {&down_, &up_}) {
+    if (!direction->flying.empty()) next = std::min(next, direction->flying.front().first);
+    if (!direction->held.empty()) next = std::min(next, direction->until);
   }
   return next;
 }
@@ -46,17 +46,17 @@ double Distant::random() {
   return double(random_) / 4294967296.0;
 }
 
-void Distant::carry(Way& way, const Bytes& bytes, Ticks now) {
-  if (frames_ == 0 && way.held.empty()) return send(way, bytes, now, 0);
+void Distant::carry(Direction& direction, const Bytes& bytes, Ticks now) {
+  if (frames_ == 0 && direction.held.empty()) return send(direction, bytes, now, 0);
   for (auto at = bytes.begin(); at != bytes.end();) {
     Bytes frame(at, at + long(frame_size(&*at, size_t(bytes.end() - at))));
     at += long(frame.size());
-    Bytes held = std::exchange(way.held, {});
+    Bytes held = std::exchange(direction.held, {});
     int what = random() < frames_ ? int(4 * random()) : -1;
     if (what >= 0) ++counts_[size_t(what)];
     if (what == 2 && held.empty()) {
-      way.held = std::move(frame);
-      way.until = now + kHeldTrips * (latency_ + jitter_);
+      direction.held = std::move(frame);
+      direction.until = now + kHeldTrips * (latency_ + jitter_);
       continue;
     }
     if (what == 1) {
@@ -64,8 +64,8 @@ void Distant::carry(Way& way, const Bytes& bytes, Ticks now) {
       frame.insert(frame.end(), again.begin(), again.end());
     }
     Ticks late = what == 3 ? Ticks(random() * double(kLateTrips * (latency_ + jitter_))) : 0;
-    if (what != 0) send(way, frame, now, late);
-    if (!held.empty()) send(way, held, now, 0);
+    if (what != 0) send(direction, frame, now, late);
+    if (!held.empty()) send(direction, held, now, 0);
   }
 }
 
@@ -76,24 +76,25 @@ size_t Distant::frame_size(const uint8_t* data, size_t n) {
   return marks + data[marks];
 }
 
-void Distant::release(Way& way, Ticks now) {
-  if (!way.held.empty() && way.until <= now) send(way, std::exchange(way.held, {}), now, 0);
+void Distant::release(Direction& direction, Ticks now) {
+  if (!direction.held.empty() && direction.until <= now)
+    send(direction, std::exchange(direction.held, {}), now, 0);
 }
 
-void Distant::send(Way& way, Bytes bytes, Ticks now, Ticks late) {
+void Distant::send(Direction& direction, Bytes bytes, Ticks now, Ticks late) {
   if (spoilt_ > 0) {
     bytes = spoilt(bytes);
     auto cut = bytes.begin() + long(random() * double(bytes.size()));
-    push(way, Bytes(bytes.begin(), cut), now, late);
+    push(direction, Bytes(bytes.begin(), cut), now, late);
     bytes.erase(bytes.begin(), cut);
     late = 0;
   }
-  push(way, std::move(bytes), now, late);
+  push(direction, std::move(bytes), now, late);
 }
 
-void Distant::push(Way& way, Bytes bytes, Ticks now, Ticks late) {
-  Ticks at = arrival(way, now) + late;
-  auto& flying = way.flying;
+void Distant::push(Direction& direction, Bytes bytes, Ticks now, Ticks late) {
+  Ticks at = arrival(direction, now) + late;
+  auto& flying = direction.flying;
   if (frames_ > 0 && !flying.empty() && flying.back().first == at)
     flying.back().second.insert(flying.back().second.end(), bytes.begin(), bytes.end());
   else
@@ -112,17 +113,17 @@ Bytes Distant::spoilt(const Bytes& bytes) {
   return out;
 }
 
-Ticks Distant::arrival(const Way& way, Ticks now) {
+Ticks Distant::arrival(const Direction& direction, Ticks now) {
   Ticks late = Ticks(random() * double(jitter_));
-  Ticks earliest = way.flying.empty() ? 0 : way.flying.back().first;
+  Ticks earliest = direction.flying.empty() ? 0 : direction.flying.back().first;
   return std::max(now + latency_ + late, earliest);
 }
 
 void Distant::listen(Ticks now) {
   now_ = std::max(now_, now);
-  Bytes said;
-  device_.poll(clock_at(now), said);
-  if (!said.empty() && !cut_) carry(up_, std::move(said), now);
+  Bytes sent;
+  device_.poll(clock_at(now), sent);
+  if (!sent.empty() && !cut_) carry(up_, std::move(sent), now);
 }
 
 }  // namespace passo::wire

@@ -46,7 +46,7 @@ class Distant : public Device {
 
  private:
   static constexpr Ticks kHeldTrips = 8, kLateTrips = 40;  // multiples of latency + jitter
-  struct Way {
+  struct Direction {
     std::deque<std::pair<Ticks, Bytes>> flying;  // bytes with their time of arrival
     Bytes held;                                  // a frame that is sent after the next one
     Ticks until = 0;                             // latest time at which the held frame is sent
@@ -59,18 +59,18 @@ class Distant : public Device {
   double spoilt_ = 0, frames_ = 0;
   std::array<int, 4> counts_{};
   bool cut_ = false;
-  Way down_, up_;
+  Direction down_, up_;
 
   double random();
-  void carry(Way& way, const Bytes& bytes, Ticks now);
+  void carry(Direction& direction, const Bytes& bytes, Ticks now);
   // Length of the first frame including the sync bytes before it; n if the data does not start with
   // a frame.
   static size_t frame_size(const uint8_t* data, size_t n);
-  void release(Way& way, Ticks now);
-  void send(Way& way, Bytes bytes, Ticks now, Ticks late);
-  void push(Way& way, Bytes bytes, Ticks now, Ticks late);
+  void release(Direction& direction, Ticks now);
+  void send(Direction& direction, Bytes bytes, Ticks now, Ticks late);
+  void push(Direction& direction, Bytes bytes, Ticks now, Ticks late);
   Bytes spoilt(const Bytes& bytes);
-  Ticks arrival(const Way& way, Ticks now);
+  Ticks arrival(const Direction& direction, Ticks now);
   void listen(Ticks now);
 };
 

@@ -10,7 +10,7 @@
 namespace passo {
 
 // Finds the roots of s x + b x^2 + c x^3 = y on 0..1, a block at a time. x = 0 is the slower end of
-// an interval without a turn. The step is at base + way * x.
+// an interval without a turn. The step is at base + span * x.
 class CubicSolver {
  public:
   void into(Steps& out, TimedTolerances& tolerances) { out_ = &out, tolerances_ = &tolerances; }
@@ -54,11 +54,11 @@ class CubicSolver {
   void flush() {
     if (used_ == 0) return;
     for (size_t i = used_; i < size_t(in_fours(int(used_))); ++i)
-      base_[i] = way_[i] = b_[i] = c_[i] = y_[i] = 0, s_[i] = 1;
+      base_[i] = span_[i] = b_[i] = c_[i] = y_[i] = 0, s_[i] = 1;
     halley(*this, int(used_));
     for (size_t i = 0; i < used_; ++i) {
       const double x = off_[i] <= 0 ? x_[i] : bracketed(i);
-      const double t = base_[i] + way_[i] * x;
+      const double t = base_[i] + span_[i] * x;
       tolerances_->apply(t, *out_);
       *out_->extend(1, dir_[i]) = t;
     }
@@ -68,7 +68,7 @@ class CubicSolver {
  private:
   static constexpr size_t kBlock = 512;
   static constexpr double kLastStep = 2.5e-4;  // of x; the error of the next step would be its cube
-  double base_[kBlock], way_[kBlock], s_[kBlock], b_[kBlock], c_[kBlock], y_[kBlock], x_[kBlock],
+  double base_[kBlock], span_[kBlock], s_[kBlock], b_[kBlock], c_[kBlock], y_[kBlock], x_[kBlock],
       off_[kBlock];
   int dir_[kBlock];
   size_t used_ = 0;
@@ -116,7 +116,7 @@ class CubicSolver {
       if (used_ == kBlock) flush();
       const size_t i = used_++;
       base_[i] = up ? t0 : t0 + d;
-      way_[i] = up ? d : -d;
+      span_[i] = up ? d : -d;
       s_[i] = s, b_[i] = b, c_[i] = c3;
       y_[i] = std::max(y, 0.0);
       dir_[i] = int(dir);

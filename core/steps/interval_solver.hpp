@@ -66,8 +66,9 @@ class IntervalSolver {
       const bool up = s0 <= s1;
       const double slow = up ? s0 : s1, fast = up ? s1 : s0;
       const double base = up ? s.t_[i] : s.t_[i + 1], from = up ? s.q_[i] : s.q_[i + 1];
-      const double h = 0.5 * slow, hh = h * h, c = 0.5 * s.a_[i] * d, way = (first - from) * d;
-      const double above = way > 0 ? way : 0.0, below = way < 1 - steps ? way : 1 - steps;
+      const double h = 0.5 * slow, hh = h * h, c = 0.5 * s.a_[i] * d, distance = (first - from) * d;
+      const double above = distance > 0 ? distance : 0.0,
+                   below = distance < 1 - steps ? distance : 1 - steps;
       const bool bent = fast * fast - slow * slow >= kBent * (slow * slow);
       const double inverse = 1 / (bent ? c : slow), r = c * (inverse * inverse);
       // Root: k0 + k1 sqrt(k2 + k3 y). Series: k0 + y (k1 + y (k2 + ...)).

@@ -71,11 +71,11 @@ void StepSolver::solve_raised(const Move& m, Steps& out) {
   int64_t target = count_at(m.p1);
   if (target == count_ && pieces_.rests(m.p0, m.p1, count_ - lead_)) return;
   double d_dec = m.d - m.d_acc - m.d_cru, begin[] = {0, m.d_acc, m.d_acc + m.d_cru};
-  double ticks[] = {m.t_acc, m.t_cru, m.t_dec}, way[] = {m.d_acc, m.d_cru, d_dec};
+  double ticks[] = {m.t_acc, m.t_cru, m.t_dec}, distance[] = {m.d_acc, m.d_cru, d_dec};
   double speed[] = {m.v0, m.vc, m.vc}, accel[] = {m.a, 0, -m.b}, start = m.start;
   int last = m.t_dec > 0 ? 2 : m.t_cru > 0 ? 1 : 0;
   for (int i = 0; i <= last; start += ticks[i++]) {
-    if (!(ticks[i] > 0 && way[i] > 0) && i < last) continue;
+    if (!(ticks[i] > 0 && distance[i] > 0) && i < last) continue;
     Piece p{};
     p.start = start;
     p.seconds = ticks[i] / hz_;

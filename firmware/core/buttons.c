@@ -23,10 +23,10 @@ static bool run(struct timer *timer) {
     if (buttons->added >> i & 1) state |= (uint8_t)(hal_input_read(&buttons->inputs[i]) << i);
   state ^= buttons->invert;
   uint8_t settled = (uint8_t)~(state ^ buttons->seen);  // bits that are equal in two samples
-  uint8_t next = (uint8_t)((buttons->told & ~settled) | (state & settled));
+  uint8_t next = (uint8_t)((buttons->reported & ~settled) | (state & settled));
   buttons->seen = state;
-  if (next != buttons->told && buttons->unacknowledged < BUTTON_STATES) {
-    buttons->told = buttons->states[buttons->unacknowledged++] = next;
+  if (next != buttons->reported && buttons->unacknowledged < BUTTON_STATES) {
+    buttons->reported = buttons->states[buttons->unacknowledged++] = next;
     tell(buttons);
   } else if (buttons->unacknowledged > 0 && buttons->retransmit_count > 0 && --buttons->wait == 0) {
     tell(buttons);
@@ -98,7 +98,7 @@ void command_buttons_query(const uint32_t *args) {
   buttons->rest_ticks = args[2];
   buttons->retransmit_count = (uint8_t)args[3];
   buttons->invert = (uint8_t)args[4];
-  buttons->seen = buttons->told = 0;
+  buttons->seen = buttons->reported = 0;
   buttons->unacknowledged = buttons->acknowledged = 0;
   timer_add(&buttons->timer);
 }

@@ -20,7 +20,7 @@ struct buttons {
   uint8_t count, invert, retransmit_count;
   uint8_t added;  // one bit for each input with a pin
   // Written by foreground and timer under hal_irq_save().
-  uint8_t seen, told;                    // last sample; last state
+  uint8_t seen, reported;                // last sample; last state
   uint8_t unacknowledged, acknowledged;  // number of states
   uint8_t wait;                          // samples until unacknowledged states are reported again
   bool unreported;

@@ -657,7 +657,7 @@ class Link:
 
     def reconnect(self) -> None:
         """
-        The board has continued without this host: messages on their way are dropped, and the job is paused until go_on().
+        The board has continued without this host: messages on their way are dropped, and the job is paused until resume().
         """
 
     @property
@@ -666,7 +666,7 @@ class Link:
         The board has all commands. Their immediate answers have been received, or are lost.
         """
 
-    def unheard_s(self, clock: int) -> float:
+    def unacknowledged_s(self, clock: int) -> float:
         """
         Age in seconds of the oldest message that the board has not acknowledged, when its clock reads `clock`; 0 if it has acknowledged all.
         """
@@ -675,7 +675,7 @@ class Link:
     def delivered(self) -> bool:
         """The board has all messages of the job so far."""
 
-    def go_on(self) -> None: ...
+    def resume(self) -> None: ...
 
     def stop_job(self) -> None: ...
 
@@ -685,7 +685,7 @@ class Link:
     def shut_down(self) -> bool: ...
 
     @property
-    def alone(self) -> bool:
+    def self_stopped(self) -> bool:
         """The board has stopped by itself."""
 
     @property

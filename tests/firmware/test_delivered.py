@@ -89,7 +89,7 @@ def test_a_commit_that_the_board_has_taken_is_delivered(monkeypatch):
     p = Print(monkeypatch)
     p.run(1.5)
     assert p.delivered[0] < p.base + p.end
-    assert not p.bench.link.alone
+    assert not p.bench.link.self_stopped
     assert p.steps() == STEPS
 
 
@@ -102,7 +102,7 @@ def test_job_is_not_delivered_before_board_reports_it(monkeypatch):
     heard = p.wire.now
     p.run(0.1)
     assert p.delivered[0] <= heard + 3 * MS  # it is asked again as soon as it has left it open
-    assert not p.bench.link.alone
+    assert not p.bench.link.self_stopped
     assert p.steps() == STEPS
 
 
@@ -113,10 +113,10 @@ def test_refused_commit_is_not_delivered_if_refusal_is_lost(monkeypatch):
     p.run(0.8)
     p.wire.spoil_orders, p.wire.spoil_answers = lambda data: data, p.without_states
     p.run(1.0)
-    assert p.delivered == [] and not p.bench.link.alone
+    assert p.delivered == [] and not p.bench.link.self_stopped
     p.wire.spoil_answers = lambda data: data
     p.run(0.01)
-    assert p.delivered == [] and p.bench.link.alone
+    assert p.delivered == [] and p.bench.link.self_stopped
     assert p.steps() == 0
 
 
@@ -124,7 +124,7 @@ def test_commit_acknowledged_as_other_bytes_is_not_delivered(monkeypatch):
     p = Print(monkeypatch)
     p.wire.spoil_orders = p.without_commits
     p.run(1.5)
-    assert p.delivered == [] and p.bench.link.alone
+    assert p.delivered == [] and p.bench.link.self_stopped
     assert p.steps() == 0
 
 

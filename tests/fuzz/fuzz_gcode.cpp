@@ -31,13 +31,13 @@ Machine cartesian_machine() {
 
 void drain(Interpreter& interpreter, int& moves, int& macros) {
   for (;;) {
-    Found found = interpreter.next();
-    if (found == Found::need_input || found == Found::end) return;
-    if (found == Found::macro && ++macros < 1000 && interpreter.macro_depth() < 4) {
+    ParseResult found = interpreter.next();
+    if (found == ParseResult::need_input || found == ParseResult::end) return;
+    if (found == ParseResult::macro && ++macros < 1000 && interpreter.macro_depth() < 4) {
       const std::string text = interpreter.event().text;  // of the call: it may call more
       interpreter.insert(macros % 2 ? text : "T0.1\n" + text + "\nM99\nG1 X1");
     }
-    if (found != Found::move) continue;
+    if (found != ParseResult::move) continue;
     for (int j = 0; j < 3; ++j)
       if (!(interpreter.move().target[j] > -1e-5 && interpreter.move().target[j] < 200 + 1e-5))
         std::abort();

@@ -147,7 +147,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
       } else {
         whole = false;
         if (much & 1)
-          s.link.reconnect(), s.link.go_on();
+          s.link.reconnect(), s.link.resume();
         else
           s.link.send("update_digital_out", {2, int64_t(much & 2)});
       }

@@ -113,8 +113,8 @@ static int serve(const struct host_functions *board, int master) {
   size_t size;
   for (;;) {
     board->run(now());
-    const uint8_t *said = board->take(&size);
-    if (!write_all(master, said, size)) return EXIT_FAILURE;
+    const uint8_t *sent = board->take(&size);
+    if (!write_all(master, sent, size)) return EXIT_FAILURE;
     if (poll(fds, 2, LOOK_MS) < 0 && errno != EINTR) return EXIT_FAILURE;
     if (fds[1].revents != 0) {
       ssize_t n = read(STDIN_FILENO, buffer, sizeof buffer);

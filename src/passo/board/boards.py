@@ -93,10 +93,10 @@ class Boards:
         return all(connection.link.delivered for connection in self.connections)
 
     @property
-    def unheard_s(self) -> float:
+    def unacknowledged_s(self) -> float:
         """The age of the oldest message that a board has not acknowledged, in seconds; the maximum
         of all boards, 0 if they have acknowledged all."""
-        return max(c.link.unheard_s(c.board_clock) for c in self.connections)
+        return max(c.link.unacknowledged_s(c.board_clock) for c in self.connections)
 
     def keep_frames(self) -> None:
         """Like `Connection.keep_frames`, on all boards."""
@@ -190,7 +190,7 @@ class Boards:
             connection.pass_time(connection.now)
             connection.take_faults()
         self._look_for_shutdown()
-        if any(connection.link.alone for connection in self.connections):
+        if any(connection.link.self_stopped for connection in self.connections):
             raise BoardAloneError.of("machine.alone")
         for connection in self.connections:
             if connection.link.lost:

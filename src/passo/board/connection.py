@@ -171,7 +171,7 @@ class Connection(Exchange):
 
     async def open_again(self) -> None:
         """Opens the port again after the link was lost; the event loop keeps running. The job waits
-        until `link.go_on`. Raises LinkLostError."""
+        until `link.resume`. Raises LinkLostError."""
         self.forget_late_answers()
         if self.port.live:
             await asyncio.to_thread(self.port.open)

@@ -163,7 +163,7 @@ class Exchange:
         stop = self.pass_time(until_clock, until_heaters)
         if self.link.shut_down:
             raise self.shutdown_error()
-        if self.link.alone:
+        if self.link.self_stopped:
             raise BoardAloneError.of("machine.alone")
         if self.link.lost:
             raise self.silence("get_clock")

@@ -169,7 +169,7 @@ class JournalKeeper:
         waits = None if active else self._interrupted
         if not (waits or self._journal.open) or self._motion.homer.active:
             return
-        if control.rig.connection.unheard_s > _UNHEARD_S:
+        if control.rig.connection.unacknowledged_s > _UNHEARD_S:
             return
         if waits is not None:
             self._keep_z(*waits)

@@ -134,7 +134,7 @@ class _Attempt:
             self._prove({})
         await rig.queue.catch_up()
         for connection in self._connections:
-            connection.link.go_on()
+            connection.link.resume()
         await parts.drivers.reconnected()
         if state.halted:
             return
