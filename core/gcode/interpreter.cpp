@@ -38,7 +38,7 @@ ParseResult Interpreter::next() {
     const char *p, *end;
     if (!lines().next(p, end)) {
       if (!frames_[source_].empty()) {
-        if (frames_[source_].back().apart) return Found::need_input;
+        if (frames_[source_].back().apart) return ParseResult::need_input;
         feed_frame();
         continue;
       }

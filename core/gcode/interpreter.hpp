@@ -74,7 +74,7 @@ class Interpreter {
   // these lines run.
   void insert(std::string_view text, std::string_view code = {});
   // In the middle of a command: lines that are read before the rest of its line. At their end,
-  // next() returns Found::need_input until leave_apart().
+  // next() returns ParseResult::need_input until leave_apart().
   void insert_apart(std::string_view text);
   // Drops what is left of such lines, also after a failure.
   void leave_apart();
