@@ -6,18 +6,16 @@ from typing import TYPE_CHECKING, Any
 
 from passo.config.importing.draft import bad
 from passo.config.importing.marlin.derived import PROBES
-from passo.config.importing.marlin.homing import PROBE_FAST, PROBE_SLOW, is_inverted, switch_pin
+from passo.config.importing.marlin.homing import is_inverted, switch_pin
 
 if TYPE_CHECKING:
     from passo.config.importing.draft import KeyPath
     from passo.config.importing.marlin.conversion import Job
     from passo.config.importing.numbers import Read
 
-_TO_MM_S = 1 / 60
 _START_MM, _ABOVE_MM = 10.0, 3.0  # of a descent, and at least above where the probe triggers
 _LOWEST_MM = -2.0  # Marlin's Z_PROBE_LOW_POINT, below where the probe triggers
 _SERVO_DEG = (70, 0)
-_MOST_RETRIES = 30  # that G34 makes
 _BY_HAND = "a probe that is fetched, turned or moved: set [probe] kind by hand"
 _THREADS = ("M3", "M4", "M5")
 
@@ -63,8 +61,7 @@ def put_probe(job: Job) -> None:
     start = clearance.value if clearance else _START_MM
     place = clearance.place if clearance else None
     put((*path, "start_mm"), round(max(start, height + _ABOVE_MM), 3), place)
-    speed = defines.number("XY_PROBE_FEEDRATE", "XY_PROBE_SPEED")
-    job.put((*path, "travel_mm_s"), speed, _TO_MM_S)
+    job.rows("probe")
     if kind == "manual":
         return
     _put_pin(job, path)
@@ -78,8 +75,8 @@ def put_probe(job: Job) -> None:
         down, up = [one.value for one in angles][:2] if len(angles) > 1 else _SERVO_DEG
         put((*path, "deploy_deg"), down, angles[0].place if angles else None)
         put((*path, "stow_deg"), up, angles[0].place if angles else None)
-    if kind == "bltouch" and defines.on("BLTOUCH_SET_5V_MODE"):
-        put((*path, "output"), "5v", job.place("BLTOUCH_SET_5V_MODE"))
+    if kind == "bltouch":
+        job.rows("bltouch")
     if defines.on("PROBING_HEATERS_OFF") and job.hotends:
         put((*path, "heaters_off"), [*job.hotends.values()], job.place("PROBING_HEATERS_OFF"))
 
@@ -99,8 +96,7 @@ def _put_descent(job: Job, path: KeyPath, height: float) -> None:
     low = job.defines.number("Z_PROBE_LOW_POINT")
     below = low.value if low and low.value < 0 else _LOWEST_MM
     job.draft.put((*path, "low_mm"), round(height + below, 4), low.place if low else None)
-    for key, names in (("fast_mm_s", PROBE_FAST), ("slow_mm_s", PROBE_SLOW)):
-        job.put((*path, key), job.defines.number(*names), _TO_MM_S)
+    job.rows("descent")
 
 
 def _put_samples(job: Job, path: KeyPath) -> None:
@@ -188,9 +184,7 @@ def put_levelling(job: Job) -> None:
                 put((*path, "count"), [*counts], count[0].place if count[0] else None)
             smooth = defines.on("ABL_BILINEAR_SUBDIVISION")
             put((*path, "interpolation"), "bicubic" if smooth else "bilinear", place)
-            fade = defines.number("DEFAULT_LEVELING_FADE_HEIGHT")
-            if fade is not None and fade.value > 0:
-                job.put((*path, "fade_mm"), fade)
+            job.rows("mesh")
     _put_screws(job)
     _put_motors(job)
 
@@ -276,7 +270,4 @@ def _put_motors(job: Job) -> None:
     for motor, (x, y) in zip(motors, pivots or points, strict=True):
         job.draft.put((*path, "pivots", motor), [x, y], place)
     job.draft.put((*path, "points"), [{"x": x, "y": y} for x, y in points], place)
-    job.put((*path, "tolerance_mm"), job.defines.number("Z_STEPPER_ALIGN_ACC"))
-    rounds = job.defines.number("Z_STEPPER_ALIGN_ITERATIONS")
-    if rounds is not None:
-        job.draft.put((*path, "retries"), rounds.whole(), rounds.place)
+    job.rows("motors")

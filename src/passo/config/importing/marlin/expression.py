@@ -3,8 +3,9 @@ ENABLED(). Nothing is compiled or run."""
 
 from __future__ import annotations
 
+import operator
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import NamedTuple, Protocol
 
 _TOKEN = re.compile(
@@ -23,6 +24,28 @@ _LEVELS = (
     ("+", "-"),
     ("*", "/", "%"),
 )
+_TESTS: Mapping[str, Callable[[Number, Number], bool]] = {
+    "==": operator.eq,
+    "!=": operator.ne,
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+    "&&": lambda left, right: bool(left and right),
+    "||": lambda left, right: bool(left or right),
+}
+_BITS: Mapping[str, Callable[[int, int], int]] = {
+    "<<": operator.lshift,
+    ">>": operator.rshift,
+    "&": operator.and_,
+    "|": operator.or_,
+    "^": operator.xor,
+}
+_SUMS: Mapping[str, Callable[[Number, Number], Number]] = {
+    "+": operator.add,
+    "-": operator.sub,
+    "*": operator.mul,
+}
 _CASTS = {"double", "float", "int", "long", "int8_t", "int16_t", "int32_t", "uint8_t", "uint16_t"}
 _CONSTANTS = {"true": 1, "false": 0, "HIGH": 1, "LOW": 0}
 _MAX_STEPS = 2000  # of one expression with all that its names stand for
@@ -232,34 +255,14 @@ def _limited(value: Number) -> Number:
 
 
 def _applied(sign: str, left: Number, right: Number) -> Number:
+    if sign in _TESTS:
+        return int(_TESTS[sign](left, right))
+    if sign in _BITS:
+        if sign in ("<<", ">>") and not 0 <= right <= 31:
+            raise Unreadable
+        return int(_limited(_BITS[sign](int(left), int(right))))
+    result = _divided(sign, left, right) if sign in "/%" else _SUMS[sign](left, right)
     whole = isinstance(left, int) and isinstance(right, int)
-    match sign:
-        case "+":
-            result = left + right
-        case "-":
-            result = left - right
-        case "*":
-            result = left * right
-        case "/" | "%":
-            result = _divided(sign, left, right)
-        case "==":
-            return int(left == right)
-        case "!=":
-            return int(left != right)
-        case "<":
-            return int(left < right)
-        case "<=":
-            return int(left <= right)
-        case ">":
-            return int(left > right)
-        case ">=":
-            return int(left >= right)
-        case "&&":
-            return int(bool(left) and bool(right))
-        case "||":
-            return int(bool(left) or bool(right))
-        case _:
-            result = _bitwise(sign, int(left), int(right))
     return int(_limited(result)) if whole else _limited(result)
 
 
@@ -273,19 +276,3 @@ def _divided(sign: str, left: Number, right: Number) -> Number:
     if sign == "%":
         raise Unreadable
     return left / right
-
-
-def _bitwise(sign: str, left: int, right: int) -> int:
-    if sign in ("<<", ">>") and not 0 <= right <= 31:
-        raise Unreadable
-    match sign:
-        case "<<":
-            return left << right
-        case ">>":
-            return left >> right
-        case "&":
-            return left & right
-        case "|":
-            return left | right
-        case _:
-            return left ^ right

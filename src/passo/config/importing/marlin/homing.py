@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     from passo.config.importing.numbers import Read
 
 _TO_MM_S = 1 / 60
-PROBE_FAST = ("Z_PROBE_FEEDRATE_FAST", "Z_PROBE_SPEED_FAST")  # in mm/min
-PROBE_SLOW = ("Z_PROBE_FEEDRATE_SLOW", "Z_PROBE_SPEED_SLOW")
+_PROBE_FAST = ("Z_PROBE_FEEDRATE_FAST", "Z_PROBE_SPEED_FAST")  # in mm/min
 _BUMPS_MM, _DIVISORS = (5.0, 5.0, 2.0), (2.0, 2.0, 4.0)  # of Marlin, if the file gives none
 
 
@@ -52,7 +51,7 @@ def put_homing(job: Job, index: int, letter: str, motor: str) -> None:
             job.place("Z_MIN_PROBE_USES_Z_MIN_ENDSTOP_PIN", "USE_PROBE_FOR_Z_HOMING"),
         )
         _put_safe_home(job, path)
-        speed, own = _homing_speed(job, index, axis), defines.number(*PROBE_FAST)
+        speed, own = _homing_speed(job, index, axis), defines.number(*_PROBE_FAST)
         if speed is not None and (own is None or own.value != speed.value):
             job.draft.changed(speed.place, speed.name, PROBE_SPEEDS)
         return
@@ -206,13 +205,12 @@ def _homing_speed(job: Job, index: int, axis: str) -> Read | None:
 def _put_speeds(job: Job, path: KeyPath, index: int, axis: str) -> None:
     defines = job.defines
     found = _homing_speed(job, index, axis)
-    divisors = defines.numbers("HOMING_BUMP_DIVISOR")
-    divisor = divisors[index].value if divisors and index < len(divisors) else _DIVISORS[index]
-    bumps = defines.numbers("HOMING_BUMP_MM")
-    bump = bumps[index] if bumps and index < len(bumps) else defines.number(f"{axis}_HOME_BUMP_MM")
-    if found is not None:
-        job.put((*path, "fast"), found, _TO_MM_S)
-        job.put((*path, "slow"), found, _TO_MM_S / (divisor or 1.0))
+    divisors = defines.numbers("HOMING_BUMP_DIVISOR") or []
+    divisor = divisors[index].value if index < len(divisors) else _DIVISORS[index]
+    bumps = defines.numbers("HOMING_BUMP_MM") or []
+    bump = bumps[index] if index < len(bumps) else defines.number(f"{axis}_HOME_BUMP_MM")
+    job.put((*path, "fast"), found, _TO_MM_S)
+    job.put((*path, "slow"), found, _TO_MM_S / (divisor or 1.0))
     if bump is None:
         job.draft.put((*path, "retract"), _BUMPS_MM[index], None)
     elif bump.value > 0:
