@@ -142,6 +142,12 @@ class Draft:
         assert isinstance(value, int | float)
         return value
 
+    def numbers(self, path: KeyPath) -> list[float]:
+        """The numbers in the list of a key; empty without the key."""
+        value, _ = self.keys.get(path, (None, None))
+        items = value if isinstance(value, list) else []
+        return [one for one in items if isinstance(one, int | float)]
+
     def put_no_homing(
         self, axis: str, end: tuple[float, Place] | None, place: Place, what: str, why: str
     ) -> None:

@@ -16,6 +16,15 @@ if TYPE_CHECKING:
 _START_MM, _ABOVE_MM = 10.0, 3.0  # of a descent, and at least above where the probe triggers
 _LOWEST_MM = -2.0  # Marlin's Z_PROBE_LOW_POINT, below where the probe triggers
 _SERVO_DEG = (70, 0)
+_EDGE_MM = 10.0  # Marlin's margin of the bed
+_KINDS = {
+    "BLTOUCH": "bltouch",
+    "Z_PROBE_SERVO_NR": "servo",
+    "FIX_MOUNTED_PROBE": "fixed",
+    "Z_PROBE_FIX_MOUNTED": "fixed",
+    "NOZZLE_AS_PROBE": "nozzle",
+    "PROBE_MANUALLY": "manual",
+}
 _BY_HAND = "a probe that is fetched, turned or moved: set [probe] kind by hand"
 _THREADS = ("M3", "M4", "M5")
 
@@ -113,14 +122,7 @@ def _put_samples(job: Job, path: KeyPath) -> None:
 def _kind(job: Job) -> tuple[str | None, str | None]:
     """The kind of the probe and its define. A kind is None if Passo has none like it."""
     defines = job.defines
-    for name, kind in (
-        ("BLTOUCH", "bltouch"),
-        ("Z_PROBE_SERVO_NR", "servo"),
-        ("FIX_MOUNTED_PROBE", "fixed"),
-        ("Z_PROBE_FIX_MOUNTED", "fixed"),
-        ("NOZZLE_AS_PROBE", "nozzle"),
-        ("PROBE_MANUALLY", "manual"),
-    ):
+    for name, kind in _KINDS.items():
         if defines.on(name) or (name == "Z_PROBE_SERVO_NR" and defines.first(name)):
             return kind, name
     other = next((name for name in PROBES if defines.on(name)), None)
@@ -166,13 +168,14 @@ def put_levelling(job: Job) -> None:
     chosen = next((name for name in (*mesh, *plane) if defines.on(name)), None)
     if chosen and any(key[0] == "probe" for key in job.draft.keys):
         path, place = ("levelling",), job.place(chosen)
-        area = _area(job)
+        margin = defines.number("PROBING_MARGIN", "MIN_PROBE_EDGE", "MESH_INSET")
+        area = _area(job, margin.value if margin else _EDGE_MM)
         if chosen in plane:
             put((*path, "method"), "linear", place)
             put((*path, "points"), _grid_points(job, area), place)
         else:
             put((*path, "method"), "mesh", place)
-            put((*path, "area"), [*area], _area_place(job) or place)
+            put((*path, "area"), [*area], margin.place if margin else place)
             count = [
                 defines.number(
                     f"GRID_MAX_POINTS_{axis}", f"MESH_NUM_{axis}_POINTS", "GRID_MAX_POINTS"
@@ -189,46 +192,30 @@ def put_levelling(job: Job) -> None:
     _put_motors(job)
 
 
-def _area_place(job: Job) -> Any:
-    name = job.defines.first("PROBING_MARGIN", "MIN_PROBE_EDGE", "MESH_INSET")
-    return job.defines.place(name) if name else None
-
-
-def _area(job: Job) -> list[float]:
-    """The rectangle between the margins that the probe gets to."""
-    defines, keys = job.defines, job.draft.keys
-    margin = defines.number("PROBING_MARGIN", "MIN_PROBE_EDGE", "MESH_INSET")
-    edge = margin.value if margin else 10.0
-    offset = keys.get(("probe", "offset_mm"), ([0.0, 0.0], None))[0]
-    assert isinstance(offset, list)
-    low_corner, high_corner = list[float](), list[float]()
-    for index, axis in enumerate("xy"):
-        low, high = (job.draft.number(("axes", axis, key)) for key in ("min_mm", "max_mm"))
-        shift = offset[index]
-        assert isinstance(shift, int | float)
-        size = keys.get(("bed", "size_mm"))
-        begin, end = low, high
-        if size is not None and isinstance(size[0], list):
-            middle = keys["bed", "center_mm"][0]
-            assert isinstance(middle, list)
-            width, centre = size[0][index], middle[index]
-            assert isinstance(width, int | float) and isinstance(centre, int | float)
-            begin, end = centre - width / 2, centre + width / 2
-        low_corner.append(round(max(begin + edge, low + shift, low), 3))
-        high_corner.append(round(min(end - edge, high + shift, high), 3))
+def _area(job: Job, edge: float) -> tuple[float, float, float, float]:
+    """The rectangle between the margins that the probe gets to: X and Y, then the last X and Y."""
+    draft = job.draft
     if job.kind == "delta":  # the square within the circle
-        side = round((job.draft.number(("geometry", "limit_radius")) - edge) / 2**0.5, 1)
-        return [-side, -side, side, side]
-    return [*low_corner, *high_corner]
+        side = round((draft.number(("geometry", "limit_radius")) - edge) / 2**0.5, 1)
+        return -side, -side, side, side
+    shifts = draft.numbers(("probe", "offset_mm")) or [0.0, 0.0]
+    sizes, centres = (draft.numbers(("bed", key)) for key in ("size_mm", "center_mm"))
+    spans: list[tuple[float, float]] = []
+    for index, axis in enumerate("xy"):
+        low, high = (draft.number(("axes", axis, key)) for key in ("min_mm", "max_mm"))
+        begin, end, shift = low, high, shifts[index]
+        if sizes:
+            begin, end = (centres[index] + sign * sizes[index] / 2 for sign in (-1, 1))
+        spans.append((max(begin + edge, low + shift, low), min(end - edge, high + shift, high)))
+    (x0, x1), (y0, y1) = ((round(low, 3), round(high, 3)) for low, high in spans)
+    return x0, y0, x1, y1
 
 
-def _grid_points(job: Job, area: list[float]) -> list[Any]:
+def _grid_points(job: Job, area: tuple[float, float, float, float]) -> list[Any]:
     x0, y0, x1, y1 = area
-    return (
-        [{"x": x, "y": y} for x, y in ((x0, y0), (x1, y0), (round((x0 + x1) / 2, 3), y1))]
-        if job.defines.on("AUTO_BED_LEVELING_3POINT")
-        else [{"x": x, "y": y} for x, y in ((x0, y0), (x1, y0), (x1, y1), (x0, y1))]
-    )
+    three = job.defines.on("AUTO_BED_LEVELING_3POINT")
+    last = [(round((x0 + x1) / 2, 3), y1)] if three else [(x1, y1), (x0, y1)]
+    return [{"x": x, "y": y} for x, y in ((x0, y0), (x1, y0), *last)]
 
 
 def _put_screws(job: Job) -> None:

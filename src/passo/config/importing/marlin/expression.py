@@ -3,7 +3,6 @@ ENABLED(). Nothing is compiled or run."""
 
 from __future__ import annotations
 
-import operator
 import re
 from collections.abc import Callable, Mapping
 from typing import NamedTuple, Protocol
@@ -25,26 +24,26 @@ _LEVELS = (
     ("*", "/", "%"),
 )
 _TESTS: Mapping[str, Callable[[Number, Number], bool]] = {
-    "==": operator.eq,
-    "!=": operator.ne,
-    "<": operator.lt,
-    "<=": operator.le,
-    ">": operator.gt,
-    ">=": operator.ge,
+    "==": lambda left, right: left == right,
+    "!=": lambda left, right: left != right,
+    "<": lambda left, right: left < right,
+    "<=": lambda left, right: left <= right,
+    ">": lambda left, right: left > right,
+    ">=": lambda left, right: left >= right,
     "&&": lambda left, right: bool(left and right),
     "||": lambda left, right: bool(left or right),
 }
 _BITS: Mapping[str, Callable[[int, int], int]] = {
-    "<<": operator.lshift,
-    ">>": operator.rshift,
-    "&": operator.and_,
-    "|": operator.or_,
-    "^": operator.xor,
+    "<<": lambda left, right: left << right,
+    ">>": lambda left, right: left >> right,
+    "&": lambda left, right: left & right,
+    "|": lambda left, right: left | right,
+    "^": lambda left, right: left ^ right,
 }
 _SUMS: Mapping[str, Callable[[Number, Number], Number]] = {
-    "+": operator.add,
-    "-": operator.sub,
-    "*": operator.mul,
+    "+": lambda left, right: left + right,
+    "-": lambda left, right: left - right,
+    "*": lambda left, right: left * right,
 }
 _CASTS = {"double", "float", "int", "long", "int8_t", "int16_t", "int32_t", "uint8_t", "uint16_t"}
 _CONSTANTS = {"true": 1, "false": 0, "HIGH": 1, "LOW": 0}

@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
+from passo.config.geometry_kinds import KINDS
 from passo.config.importing.draft import NO_STALLS, PROBE_SPEEDS, TWO_APPROACHES, Place, bad
 from passo.config.importing.marlin.arms import ARMS, FULL_TURN_DEG, put_home
-from passo.config.importing.marlin.motors import MOTORS, further_motors
+from passo.config.importing.marlin.motors import further_motors
 from passo.config.stalls import STALL_KINDS
 from passo.config.trinamic import chip_of
 from passo.geometry.delta import rise_mm
@@ -80,7 +81,7 @@ def _put_stall(job: Job, path: KeyPath, axis: str, side: str, motor: str) -> boo
     job.draft.put((*tmc, STALL_KINDS[chip].pins[-1]), pin, None)
     threshold = job.needed(f"{axis}_STALL_SENSITIVITY")
     job.draft.put((*path, "stall", "threshold"), int(threshold.value), threshold.place)
-    job.put((*path, "stall", "current_a"), job.defines.number(f"{axis}_CURRENT_HOME"), 1e-3)
+    job.rows("stall", name=path[1], letter=axis)
     return True
 
 
@@ -148,7 +149,7 @@ def _put_switch(job: Job, path: KeyPath, axis: str, side: str) -> None:
         what = next(name for name in several if defines.on(name))
         job.decide(what, f"give an endstop for each motor: homing.{path[-1]}.stepper_pins")
         return
-    motor = MOTORS[job.kind]["XYZ".index(axis)]
+    motor = KINDS[job.kind].actuators["XYZ".index(axis)]
     marks = pin[: len(pin) - len(pin.lstrip("!^~"))]
     put((*path, "stepper_pins", motor), pin, place)
     for number, (name, other) in enumerate(zip(names, own, strict=True), 1):

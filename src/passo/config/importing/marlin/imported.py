@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from passo.config.geometry_kinds import KINDS
 from passo.config.importing.draft import Draft
 from passo.config.importing.marlin.bed import put_bed, put_levelling, put_probe
 from passo.config.importing.marlin.boards import Pins, known_board
@@ -12,7 +13,6 @@ from passo.config.importing.marlin.defines import read
 from passo.config.importing.marlin.features import put_board, put_features
 from passo.config.importing.marlin.heat import count_extruders, put_heat
 from passo.config.importing.marlin.motion import put_motion
-from passo.config.importing.marlin.motors import MOTORS
 from passo.config.importing.marlin.others import is_silent
 from passo.config.importing.marlin.stored import put_stored
 from passo.config.importing.sources import Sources
@@ -46,7 +46,7 @@ def imported(path: Path, stored: Path | None = None, *, board: str | None = None
     put_board(job, known)
     _remark_on_the_rest(job)
     if stored is not None:
-        motors = dict(zip("xyz", MOTORS[job.kind], strict=True))
+        motors = dict(zip("xyz", KINDS[job.kind].actuators, strict=True))
         put_stored(draft, Sources().read(stored), stored.name, motors)
     return draft
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from passo.config.geometry_kinds import KINDS
 from passo.config.importing.draft import bad
 from passo.config.importing.marlin.arms import put_arms, put_end_limits
 from passo.config.importing.marlin.drivers import put_driver
 from passo.config.importing.marlin.homing import put_homing
-from passo.config.importing.marlin.motors import MOTORS, put_motor, put_socket
+from passo.config.importing.marlin.motors import put_motor, put_socket
 from passo.config.importing.numbers import plain
 from passo.errors import ConfigError
 from passo.geometry.delta import ANGLES
@@ -62,7 +63,7 @@ def put_motion(job: Job) -> None:
     for name in beyond:
         job.dropped(name, "axes after Z are not taken over")
     _put_axes(job)
-    for index, (letter, motor) in enumerate(zip("xyz", MOTORS[job.kind], strict=True)):
+    for index, (letter, motor) in enumerate(zip("xyz", KINDS[job.kind].actuators, strict=True)):
         subtracts = chosen in _REVERSED and motor == "b"
         put_motor(job, index, letter, motor, subtracts)
         put_homing(job, index, letter, motor)

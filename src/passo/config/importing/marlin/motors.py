@@ -13,16 +13,6 @@ if TYPE_CHECKING:
     from passo.config.importing.draft import KeyPath
     from passo.config.importing.marlin.conversion import Job
 
-# The motors of X, Y and Z, by geometry.
-MOTORS = {
-    "cartesian": ("x", "y", "z"),
-    "corexy": ("a", "b", "z"),
-    "corexz": ("a", "y", "b"),
-    "coreyz": ("x", "a", "b"),
-    "delta": ("a", "b", "c"),
-    "scara": ("a", "b", "z"),
-}
-
 
 def put_motor(job: Job, index: int, letter: str, motor: str, subtracts: bool) -> None:
     """Converts the motor of an axis or a tower, and further motors of the same axis."""

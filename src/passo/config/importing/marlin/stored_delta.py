@@ -21,7 +21,7 @@ def put_delta(draft: Draft, words: Mapping[str, float], place: Place) -> None:
     towers, and A, B and C change their rods. The endstops keep their trims. Raises ConfigError for
     rods that are too short."""
     trims = _trims(draft)
-    rods, angles = _list(draft, "rods"), _list(draft, "angles")
+    rods, angles = draft.numbers(("geometry", "rods")), draft.numbers(("geometry", "angles"))
     if "L" in words:
         more = [words.get(letter, 0.0) for letter in "ABC"] if "C" in words else [0.0] * 3
         rods = [plain(words["L"] + each) for each in more]
@@ -60,10 +60,4 @@ def _trims(draft: Draft) -> list[float]:
 def _tops(draft: Draft) -> list[float]:
     """The heights of the carriages with the nozzle in the middle, at the top."""
     radius, height = draft.number(("geometry", "radius")), draft.number(("axes", "z", "home_mm"))
-    return [height + rise_mm(rod, radius) for rod in _list(draft, "rods")]
-
-
-def _list(draft: Draft, key: str) -> list[float]:
-    value, _ = draft.keys["geometry", key]
-    assert isinstance(value, list)
-    return [one for one in value if isinstance(one, int | float)]
+    return [height + rise_mm(rod, radius) for rod in draft.numbers(("geometry", "rods"))]

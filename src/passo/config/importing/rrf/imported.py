@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from passo.config.board_files import load_board
+from passo.config.geometry_kinds import KINDS
 from passo.config.importing.draft import Draft, bad
 from passo.config.importing.rrf.config_g import ConfigG
 from passo.config.importing.sources import Sources
@@ -19,12 +20,6 @@ if TYPE_CHECKING:
 
 TABLE = table_of(Path(__file__).with_name("table.toml"))
 _KINDS = {0: "cartesian", 1: "corexy", 2: "corexz", 3: "delta"}
-_MOTORS = {
-    "cartesian": ("x", "y", "z"),
-    "corexy": ("a", "b", "z"),
-    "corexz": ("a", "y", "b"),
-    "delta": ("a", "b", "c"),
-}
 _LARGE = "octopus"  # a board with many sockets, for boards without a file
 _PROBES = {9: "bltouch", 5: "fixed", 8: "fixed", 1: "fixed", 0: "manual"}
 _MAX_C = {"bed": 125.0, "hotend": 285.0}  # of RepRapFirmware without M143
@@ -96,7 +91,7 @@ class _Conversion:
         source, draft = self._source, self._draft
         if self._kind == "delta":
             self._put_delta()
-        for axis, motor in zip("xyz", _MOTORS[self._kind], strict=True):
+        for axis, motor in zip("xyz", KINDS[self._kind].actuators, strict=True):
             letter = axis.upper()
             self._put("axis", axis=axis, letter=letter)
             if self._kind != "delta":
