@@ -6,7 +6,8 @@ import pytest
 from tests.support.driver_machine import DRIVERS, machine, machine_text
 
 from passo import config
-from passo.board.description import UartPins
+from passo.board.description import SpiPins, UartPins
+from passo.config.trinamic import MotorConstants
 from passo.errors import ConfigError
 from passo.printer.setup.boards import board_description
 
@@ -118,3 +119,72 @@ def test_drivers_on_one_wire_may_name_its_pins_in_different_ways():
     text = text.replace('uart_pin = "D42"', 'uart_pin = "D32"')
     x, y, *_ = board_description(config.load_text(text)).drivers
     assert x.wire == y.wire == UartPins("^PG1", "PL7")
+
+
+BUS = 'run_current_a = 1.2\ncs_pin = "D23"\nspi_bus = "spi1"\n'
+WIRES = (
+    'run_current_a = 1.2\ncs_pin = "D23"\nclock_pin = "D25"\nmosi_pin = "D27"\nmiso_pin = "D29"\n'
+)
+
+
+def test_a_driver_on_a_bus_of_klippers_firmware():
+    text = machine_text(DRIVERS.replace(WIRES, BUS)).replace(
+        'base = "ramps"', 'base = "ramps"\nmcu = "klipper"', 1
+    )
+    board = board_description(config.load_text(text, "m.toml"))
+    wire = next(d for d in board.drivers if d.stepper == "e").wire
+    assert isinstance(wire, SpiPins) and (wire.bus, wire.pins) == ("spi1", ("PA1",))
+    (found,) = problems(machine_text(DRIVERS.replace(WIRES, BUS)))
+    assert found[0] == "steppers.e.tmc.spi_bus"
+    assert "Passo's firmware has no buses; give clock_pin" in found[1]
+
+
+@pytest.mark.parametrize(
+    ("keys", "sentence"),
+    [
+        ("registers = { toff = 16 }", "registers.toff is 16: expected 1 to 15"),
+        ("registers = { tof = 3 }", "expected a field of a TMC5160: bbmclks, bbmtime, "),
+        ("registers = { sgt = -65 }", "registers.sgt is -65: expected -64 to 63"),
+        ("registers = { irun = 3 }", "no such field: run_current_a and hold_current_a of tmc"),
+        ("registers = { mres = 3 }", "no such field: microsteps of tmc set it"),
+        ("coolstep_above_deg_s = 3", "expected coolstep_above_mm_s here"),
+        ("reference_resistor_ohm = 12000", "expected sense_resistor_ohm for a TMC5160"),
+    ],
+)
+def test_registers_are_bounded_and_named(keys, sentence):
+    found = problems(machine_text(DRIVERS.replace("interpolate = false", keys)))
+    assert len(found) == 1 and sentence in found[0][1]
+
+
+@pytest.mark.parametrize(
+    ("ohm", "mh", "nm", "ampere", "full", "pwm", "hysteresis", "rev_s"),
+    [
+        (1.4, 2.0, 0.44, 2.0, 400, (5, 18), (7, 9), 15.09),
+        (1.65, 3.6, 0.45, 1.68, 200, (12, 21), (5, 3), 6.21),
+    ],
+)
+def test_constants_of_a_motor(ohm, mh, nm, ampere, full, pwm, hysteresis, rev_s):
+    """12 MHz, 24 V, 0.8 A, TOFF 3, 24 clocks of blanking: values of klipper_tmc_autotune."""
+    motor = MotorConstants(
+        resistance_ohm=ohm, inductance_mh=mh, holding_torque_nm=nm, max_current_a=ampere
+    )
+    fields = motor.pwm(12_000_000, 0.8, full)
+    assert (fields["pwm_grad"], fields["pwm_ofs"]) == pwm
+    found = motor.hysteresis(12_000_000, 0.8, toff=3, tbl=1)
+    assert (found["hstrt"], found["hend"]) == hysteresis
+    assert motor.silent_rev_s(fields) == pytest.approx(rev_s, abs=0.01)
+
+
+def test_fields_of_the_machine_file_replace_those_of_the_motor():
+    text = DRIVERS.replace(
+        "stealthchop_below_mm_s = 100,",
+        "stealthchop_below_mm_s = 100, coolstep_above_mm_s = 50, registers = { hend = 1 },"
+        " motor = { resistance_ohm = 1.65, inductance_mh = 3.6, holding_torque_nm = 0.45,"
+        " max_current_a = 1.68 },",
+    )
+    board = board_description(config.load_text(machine_text(text), "m.toml"))
+    fields = next(d for d in board.drivers if d.stepper == "x").settings.fields
+    assert fields == {
+        "toff": 1, "hstrt": 7, "hend": 1, "pwm_grad": 12, "pwm_ofs": 21, "pwm_freq": 2,
+        "tcoolthrs": 188,
+    }  # fmt: skip

@@ -11,6 +11,7 @@ from typing import Any
 
 from passo.config.board_files import pin_of
 from passo.config.findings import Finding, did_you_mean, number, table, tables
+from passo.config.klippers_firmware import runs_klippers
 from passo.config.pin_names import bare, placed, section
 from passo.config.toml_lines import Path
 from passo.config.trinamic import CHIPS, ChipName, chip_of
@@ -18,7 +19,8 @@ from passo.config.trinamic import CHIPS, ChipName, chip_of
 Raw = Mapping[str, Any]
 
 _UART_KEYS = ("uart_pin", "tx_pin", "address")
-_SPI_KEYS = ("cs_pin", "clock_pin", "mosi_pin", "miso_pin")
+_WIRES = ("clock_pin", "mosi_pin", "miso_pin")
+_SPI_KEYS = ("cs_pin", *_WIRES)
 _CURRENTS = ("run_current_a", "hold_current_a")
 # Keys of thresholds, without their unit, and the fields that hold them.
 _SPEEDS = {
@@ -106,16 +108,18 @@ def by_uart(chip: ChipName, tmc: Raw) -> bool:
 
 def _check_keys(data: Raw, stepper: Raw, tmc: Raw, chip: ChipName, path: Path) -> Iterator[Finding]:
     uart = by_uart(chip, tmc)
-    for key in _SPI_KEYS if uart else _UART_KEYS:
+    for key in (*_SPI_KEYS, "spi_bus") if uart else _UART_KEYS:
         if key in tmc:
             limit = f"{'uart_pin' if uart else ', '.join(_SPI_KEYS)} for a {chip}"
             yield Finding("config.conflict", (*path, key), tmc[key], limit)
-    wanted = ("uart_pin",) if uart else _SPI_KEYS
+    wanted = ("uart_pin",) if uart else ("cs_pin",) if "spi_bus" in tmc else _SPI_KEYS
     board, word = placed(str(stepper.get("socket")))
     socket = table(data, *section(board), "sockets", word)
     for key in wanted:
         if key not in tmc and not (key == "cs_pin" and "select" in socket):
             yield Finding("config.missing-key", (*path, key), None, f"a pin, for a {chip}")
+    if "spi_bus" in tmc and not uart:
+        yield from _check_bus(data, tmc, path)
     if CHIPS[chip].addresses == 1 and "address" in tmc:
         limit = f"no address: that of a {chip} is 0"
         yield Finding("config.conflict", (*path, "address"), tmc["address"], limit)
@@ -131,6 +135,18 @@ def _check_keys(data: Raw, stepper: Raw, tmc: Raw, chip: ChipName, path: Path) -
     if wrong in tmc:
         limit = f"{_RESISTORS[chip == 'TMC2240']} for a {chip}"
         yield Finding("config.conflict", (*path, wrong), tmc[wrong], limit)
+
+
+def _check_bus(data: Raw, tmc: Raw, path: Path) -> Iterator[Finding]:
+    """Checks that a bus has no pins, and is one of Klipper's firmware."""
+    for key in _WIRES:
+        if key in tmc:
+            yield Finding(
+                "config.conflict", (*path, key), tmc[key], "no such key: spi_bus has the pins"
+            )
+    if not runs_klippers(table(data, *section(placed(str(tmc["spi_bus"]))[0]))):
+        limit = f"no such key: Passo's firmware has no buses; give {', '.join(_WIRES)}"
+        yield Finding("config.conflict", (*path, "spi_bus"), tmc["spi_bus"], limit)
 
 
 def _check_currents(tmc: Raw, chip: ChipName, path: Path) -> Iterator[Finding]:

@@ -172,7 +172,7 @@ def _check_parts(data: Raw) -> Iterator[Finding]:
         yield from _check_together(("steppers", name), stepper, keys)
         tmc = table(stepper, "tmc")
         first = stepper.get("step_pin", stepper.get("socket"))
-        keys = ("socket", "cs_pin", *_WIRES, *STALL_PINS)
+        keys = ("socket", "cs_pin", "spi_bus", *_WIRES, *STALL_PINS)
         yield from _check_together(("steppers", name, "tmc"), {**tmc, "socket": first}, keys)
     keys = ("cs_pin", "spi_bus", *_WIRES, "i2c_bus", *_LINES)
     yield from _check_together(("accelerometer",), table(data, "accelerometer"), keys)

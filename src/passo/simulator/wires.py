@@ -14,7 +14,8 @@ def without_buses(board: BoardDescription) -> BoardDescription:
     """The same board, on which each bus of the chip's hardware is made on pins of its own: a
     simulated chip has no such buses, but as many pins as it needs."""
     accelerometers = tuple(replace(a, wire=_on_pins(a.wire)) for a in board.accelerometers)
-    return replace(board, accelerometers=accelerometers)
+    drivers = tuple(replace(d, wire=_on_pins(d.wire)) for d in board.drivers)
+    return replace(board, accelerometers=accelerometers, drivers=drivers)
 
 
 def _on_pins(wire: _Wire) -> _Wire | SpiPins | I2cPins:

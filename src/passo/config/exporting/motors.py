@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from passo.config.klipper_names import driver_object
+from passo.config.pin_names import placed
 from passo.config.trinamic import chip_of
 
 if TYPE_CHECKING:
@@ -44,6 +45,7 @@ def put_stepper(cfg: Cfg, name: str, section: str) -> None:
         tx_pin=cfg.pin(tmc.tx_pin) if tmc.tx_pin else None,
         uart_address=tmc.address or None,
         cs_pin=cfg.pin(select) if select and not tmc.uart_pin else None,
+        spi_bus=placed(tmc.spi_bus)[1] if tmc.spi_bus else None,
         spi_software_sclk_pin=clock,
         spi_software_mosi_pin=mosi,
         spi_software_miso_pin=miso,

@@ -13,6 +13,9 @@ from passo.config.types import Model, NotNegative, Pin, Positive
 STALL_PINS = ("diag_pin", "diag0_pin", "diag1_pin")
 
 
+_BUS = r"^([A-Za-z0-9_][A-Za-z0-9_-]*:)?[A-Za-z0-9_.]+$"
+
+
 class Tmc(Model):
     """The settings of a driver with registers: docs/how-to/set-up-drivers.md."""
 
@@ -61,6 +64,9 @@ class Tmc(Model):
     """The data to the driver."""
     miso_pin: Pin | None = None
     """The data from the driver."""
+    spi_bus: Annotated[str, Field(pattern=_BUS)] | None = None
+    """The SPI bus of a board with Klipper's firmware, by its name there, instead of the three pins;
+    with the name of the board before it, as of pins."""
     diag_pin: Pin | None = None
     """The input of the stall detection (DIAG) of a TMC2209 or TMC2226, for homing without
     switches."""

@@ -50,9 +50,10 @@ def drivers(machine: MachineConfig) -> Iterator[Driver]:
         else:
             socket = machine.socket(name)
             select = tmc.cs_pin or (socket.select if socket else None) or ""
-            buses = (tmc.clock_pin or "", tmc.mosi_pin or "", tmc.miso_pin or "")
-            clock, mosi, miso = (pin(bus) for bus in buses)
-            yield Driver(name, SpiPins(pin(select), clock, mosi, miso), settings)
+            wires = (tmc.clock_pin, tmc.mosi_pin, tmc.miso_pin)
+            clock, mosi, miso = (pin(wire) if wire else "" for wire in wires)
+            bus = placed(tmc.spi_bus)[1] if tmc.spi_bus else ""
+            yield Driver(name, SpiPins(pin(select), clock, mosi, miso, bus=bus), settings)
 
 
 def _stall_fields(machine: MachineConfig, motor: str, chip: ChipName) -> dict[str, int]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from passo.config.importing.klipper.buses import wires_of
+from passo.config.pin_names import named_on, placed
+from passo.config.pin_names import section as board_path
 from passo.config.trinamic import CHIPS, Chip, ChipName, chip_of
 
 if TYPE_CHECKING:
@@ -28,6 +30,7 @@ _CONSTANTS = {
 def put_driver(job: Import, motor: Section, path: KeyPath) -> None:
     """Imports the driver of the motor at `path`, if the file sets its registers."""
     found = [s for s in job.config.sections.values() if s.rest == motor.name]
+    tunings = [s for s in found if s.kind == "autotune_tmc"]
     for section in (s for s in found if s.kind.startswith("tmc")):
         job.used.add(section.name)
         chip = chip_of(section.kind.upper())
@@ -36,25 +39,35 @@ def put_driver(job: Import, motor: Section, path: KeyPath) -> None:
             job.draft.dropped(section.place, f"[{section.name}]", text)
             job.leave_out(section)
             continue
-        if _put_chip(job, section, path, chip):
-            for tuning in (s for s in found if s.kind == "autotune_tmc"):
+        if _put_chip(job, section, path, chip, tunings):
+            for tuning in tunings:
                 _put_tuning(job, tuning, motor, path, CHIPS[chip])
-    for tuning in (s for s in found if s.kind == "autotune_tmc"):
-        job.used.add(tuning.name)
+    job.used.update(tuning.name for tuning in tunings)
 
 
-def _put_chip(job: Import, section: Section, path: KeyPath, chip: ChipName) -> bool:
+def _put_chip(
+    job: Import, section: Section, path: KeyPath, chip: ChipName, tunings: list[Section]
+) -> bool:
     """Imports a driver; False if its bus is not known."""
     by_uart = "uart" in CHIPS[chip].buses and "uart_pin" in section.options
     wires = {} if by_uart else wires_of(job, section, "cs_pin")
+    select = job.pins.of(section, "cs_pin")
+    board, bus = placed(select or "")[0], section.text("spi_bus")
+    if not by_uart and not wires and bus and (*board_path(board), "link") in job.draft.keys:
+        wires = {"spi_bus": named_on(board, bus)}
     if not by_uart and not wires and "uart" not in CHIPS[chip].buses[:1]:
         run = section.number("run_current")
-        text = "Passo sets this driver only over the pins of its SPI bus"
+        text = "Passo does not know the pins of its SPI bus"
         text += f": give driver and tmc of steppers.{path[-1]}"
+        if bus:
+            text += f", with spi_bus = {named_on(board, bus)!r} once its board has link and port"
         if run is not None:
             text += f", with run_current_a = {run:g}"
         job.draft.decide(section.at("spi_bus"), f"[{section.name}]", text)
         job.leave_out(section)
+        for tuning in tunings:
+            job.draft.dropped(tuning.place, f"[{tuning.name}]", "its driver is left out")
+            job.leave_out(tuning)
         return False
     job.draft.put((*path, "driver"), chip, section.place)
     job.put("driver", section, name=path[-1])
@@ -108,6 +121,10 @@ def _put_tuning(job: Import, tuning: Section, motor: Section, path: KeyPath, chi
         torque_nm = constants.needed("holding_torque")
         job.put("autotune", tuning, name=path[-1])
     tuning.used |= {"voltage", "extra_hysteresis"}
+    for option in (o for o in _STALL if o in tuning.options and o not in tuning.used):
+        text = "homing.AXIS.stall.threshold has it, or STALL_CALIBRATE finds it"
+        job.draft.dropped(tuning.at(option), f"{option} in [{tuning.name}]", text)
+        tuning.used.add(option)
     for option, field in (("tbl", "tbl"), ("toff", "toff"), ("pwm_freq", "pwm_freq")):
         value = tuning.whole(option)
         if value is not None and field in chip.settable:
@@ -127,8 +144,12 @@ def _put_goal(
     if goal == "autoswitch" or not chip.mode:
         return  # the threshold of the driver's own section counts
     silent = goal == "silent"
+    xy = motor.name in ("stepper_x", "stepper_y", "stepper_x1", "stepper_y1")
+    if goal == "auto" and torque_nm is None and not xy:
+        text = "the threshold of the driver counts, because the torque of the motor is not known"
+        job.draft.changed(tuning.at("tuning_goal"), f"tuning_goal in [{tuning.name}]", text)
+        return
     if goal == "auto":
-        xy = motor.name in ("stepper_x", "stepper_y", "stepper_x1", "stepper_y1")
         silent = not xy and torque_nm is not None and torque_nm > _STRONG_NM
     key, place = (*tmc, "stealthchop_below_mm_s"), tuning.at("tuning_goal")
     job.draft.keys.pop(key, None)

@@ -44,8 +44,12 @@ def put_stall(job: Import, sections: list[Section], names: list[str], path: KeyP
         driver.used.update((option, "home_current"))
         if not found:
             found = True
-            threshold = driver.number(option)
-            put((*path, "stall", "threshold"), int(threshold or 0), driver.at(option))
+            threshold, place = driver.number(option), driver.at(option)
+            tuning = job.config.get(f"autotune_tmc {driver.rest}")
+            tuned = "sgt" if kind.field == "sgt" else "sg4_thrs"
+            if threshold is None and tuning is not None and tuned in tuning.options:
+                threshold, place = tuning.number(tuned), tuning.at(tuned)
+            put((*path, "stall", "threshold"), int(threshold or 0), place)
             if threshold is None:
                 job.draft.decide(driver.place, f"[{driver.name}] {option}", NO_THRESHOLD)
             current = driver.number("home_current")
