@@ -212,6 +212,32 @@ def test_currents_and_modes_by_command(s):
     assert field(s, "x", r.IHOLD_IRUN, "irun") == 15  # it outlives the halt
 
 
+def test_thresholds_and_standstill_currents_are_stored(tmp_path):
+    with Scenario(machine(), state=str(tmp_path)) as s:
+        assert s.host.ok("M913")[:-1] == [
+            "X stealthChop below: 99.734 units/s", "Y stealthChop below: off",
+            "Z stealthChop below: off", "E stealthChop below: off",
+        ]  # fmt: skip
+        s.host.ok("M913 X50")
+        s.host.ok("M569 S1 Y")
+        s.host.ok("M917 X25 E50")
+        assert "echo:Z is in spreadCycle: M569 S1 Z first" in s.host.ok("M913 Z5")
+        s.host.send("M917 X101")
+        s.host.expect("X is 101: expected 0 to 100 %", 2)
+        s.host.ok("M500")
+    with Scenario(machine(), state=str(tmp_path)) as s:
+        s.passes(2)
+        assert (register(s, "x", r.TPWMTHRS), register(s, "y", r.TPWMTHRS)) == (188, 0)
+        assert (field(s, "x", r.IHOLD_IRUN, "ihold"), field(s, "x", r.IHOLD_IRUN, "irun")) == (
+            6, 25,
+        )  # fmt: skip
+        assert field(s, "e", r.IHOLD_IRUN, "ihold") == 15
+        assert s.host.ok("M917")[:-1] == [
+            f"{m} standstill current: {percent} %"
+            for m, percent in zip("XYZE", (25, 100, 100, 50), strict=True)
+        ]  # fmt: skip
+
+
 def test_klippers_words_set_currents_in_program_order(s):
     assert s.host.ok("SET_TMC_CURRENT STEPPER=stepper_x")[0] == (
         "Run Current: 0.80A Hold Current: 0.40A"

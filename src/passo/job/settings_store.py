@@ -33,6 +33,8 @@ _NAMING = {
     "M603": "T",
     "M666": "S",
     "M906": "IT",
+    "M913": "IT",
+    "M917": "IT",
     "SET_MOVE": "NAME=",
     "SET_PROBE_POINT": "N=",
     "SKEW_PROFILE": "SET=",

@@ -9,7 +9,7 @@ from passo.board.trinamic.driver import (
     SpiWire,
     UartWire,
 )
-from passo.board.trinamic.settings import DriverSettings, threshold_of
+from passo.board.trinamic.settings import DriverSettings, speed_of, threshold_of
 from passo.board.trinamic.status import Finding, Reading, findings, open_coils
 
 __all__ = [
@@ -25,5 +25,6 @@ __all__ = [
     "UartWire",
     "findings",
     "open_coils",
+    "speed_of",
     "threshold_of",
 ]

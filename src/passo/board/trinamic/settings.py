@@ -75,6 +75,11 @@ def flags_of(chip: Chip) -> int:
     return sum(field.placed(1) for field in chip.registers["GSTAT"].fields.values())
 
 
+def speed_of(chip: ChipName, threshold: int, microsteps: int) -> float:
+    """The speed of a threshold, in microsteps per second."""
+    return CHIPS[chip].clock_hz * microsteps / (256 * threshold)
+
+
 def threshold_of(chip: ChipName, microsteps_s: float, microsteps: int) -> int:
     """TPWMTHRS, TCOOLTHRS or THIGH for a speed in microsteps per second; `microsteps` is the number
     of microsteps in a full step. TSTEP counts clocks per 1/256 of a full step."""

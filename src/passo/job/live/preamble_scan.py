@@ -29,6 +29,7 @@ _CHUNK = 1 << 16
 # Settings of the printer that a plan does not have. They do not depend on the tool.
 _OF_PRINTER = (
     *("M85", "M145", "M301", "M302", "M304", "M305", "M306", "M540", "M569", "M906"),
+    *("M913", "M917"),
     *("M18", "M84"),  # with S
 )
 

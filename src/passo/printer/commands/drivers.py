@@ -8,7 +8,7 @@ from math import floor
 from typing import TYPE_CHECKING
 
 from passo.board.drivers import DriverState
-from passo.board.trinamic import DriverSettings, threshold_of
+from passo.board.trinamic import DriverSettings, speed_of, threshold_of
 from passo.config.trinamic import CHIPS
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
@@ -33,7 +33,7 @@ def _check_modes(command: Command, _: object) -> None:
 
 
 class DriverCommands:
-    """M350, M906, M911, M912 and the driver lines of M122, M503 and M569 of one printer."""
+    """M350, M569, M906, M911 to M913, M917 and the driver lines of M122 and M503 of one printer."""
 
     def __init__(self, machine: MachineConfig, watch: DriverWatch, motors: Motors) -> None:
         self._machine, self._watch, self._all_motors = machine, watch, motors
@@ -128,6 +128,80 @@ class DriverCommands:
                 reply.say(f"echo:{motor.upper()} has one mode: its {settings.chip} is spreadCycle")
         return change(self._watch, wanted)
 
+    @command(
+        "M913",
+        Subject.MOTORS,
+        When.PLANNED,
+        "Sets the speeds below which drivers use stealthChop, as in Marlin.",
+        axes("X Y Z E", "the speed of the motor", "units/s", 0, but="I"),
+        integer("I", "which motor of the axis", 0),
+        TOOL,
+        kind=Kind.SERVED,
+    )
+    def _thresholds(self, command: Command, reply: Reply) -> Wait | None:
+        """M913. A motor in spreadCycle keeps its mode."""
+        words = command.words()
+        index, tool = words.pop("I", None), words.pop("T", None)
+        if not words:
+            for motor in self._watch.states:
+                speed = self._speed(motor)
+                below = f"{speed:g} units/s" if speed else "any speed" if speed == 0 else "off"
+                reply.say(f"{motor.upper()} stealthChop below: {below}")
+            return None
+        wanted: dict[str, DriverSettings] = {}
+        for letter, speed in words.items():
+            for motor in self._motors(letter, reply, index, tool):
+                settings = self._watch.states[motor].settings
+                if settings.threshold is None:
+                    reply.say(f"echo:{motor.upper()} is in spreadCycle: M569 S1 {letter} first")
+                    continue
+                wanted[motor] = replace(settings, threshold=self._threshold(motor, speed))
+        return change(self._watch, wanted)
+
+    @command(
+        "M917",
+        Subject.MOTORS,
+        When.PLANNED,
+        "Sets the currents at standstill, as in RepRapFirmware.",
+        axes("X Y Z E", "the part of the run current", "%", 0, 100, but="I"),
+        integer("I", "which motor of the axis", 0),
+        TOOL,
+        kind=Kind.SERVED,
+    )
+    def _hold_currents(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        index, tool = words.pop("I", None), words.pop("T", None)
+        if not words:
+            for motor, state in self._watch.states.items():
+                reply.say(f"{motor.upper()} standstill current: {_percent(state):.0f} %")
+            return None
+        wanted: dict[str, DriverSettings] = {}
+        for letter, percent in words.items():
+            for motor in self._motors(letter, reply, index, tool):
+                settings = self._watch.states[motor].settings
+                law = CHIPS[settings.chip].currents
+                if not law.hold:
+                    reply.say(f"echo:{motor.upper()} has one current: a {settings.chip}")
+                    continue
+                least_a = law.least_ma(settings.resistor_ohm) / 1000
+                hold_a = max(settings.run_a * percent / 100, least_a)
+                wanted[motor] = replace(settings, hold_a=hold_a)
+        return change(self._watch, wanted)
+
+    def _threshold(self, motor: str, speed: float) -> int:
+        """TPWMTHRS for a speed in units/s; 0 is any speed."""
+        stepper, chip = self._machine.steppers[motor], self._watch.states[motor].settings.chip
+        steps_s = speed * stepper.steps_per_unit
+        return threshold_of(chip, steps_s, stepper.microsteps) if speed else 0
+
+    def _speed(self, motor: str) -> float | None:
+        """The speed of the threshold of a motor, units/s; 0 is any speed, None spreadCycle."""
+        settings, stepper = self._watch.states[motor].settings, self._machine.steppers[motor]
+        if not settings.threshold:
+            return settings.threshold
+        steps_s = speed_of(settings.chip, settings.threshold, stepper.microsteps)
+        return float(f"{steps_s / stepper.steps_per_unit:.5g}")
+
     def _tell_inputs(self, reply: Reply) -> None:
         """Reports the settings of the drivers' inputs in the machine file."""
         reply.say("Reporting Stepper control")
@@ -140,12 +214,9 @@ class DriverCommands:
     def _stealth_threshold(self, motor: str) -> int:
         """The threshold of the machine file; without one, the driver uses stealthChop at any
         speed."""
-        stepper = self._machine.steppers[motor]
-        tmc = stepper.tmc
+        tmc = self._machine.steppers[motor].tmc
         below = (tmc.stealthchop_below_mm_s or tmc.stealthchop_below_deg_s) if tmc else None
-        chip = self._watch.states[motor].settings.chip
-        speed = below * stepper.steps_per_unit if below else 0.0
-        return threshold_of(chip, speed, stepper.microsteps) if below else 0
+        return self._threshold(motor, below or 0.0)
 
     def _motors(
         self, letter: str, reply: Reply, index: float | None = None, tool: float | None = None
@@ -175,6 +246,13 @@ class DriverCommands:
             where = "".join(f"{word} " for word in tool)
             yield f"M906 {where}{axis}{numeral(state.settings.run_a * 1000)}"
             yield f"M569 {where}S{int(state.settings.threshold is not None)} {axis}"
+            motor = state.link.motor
+            if state.settings.threshold not in (None, self._stealth_threshold(motor)):
+                yield f"M913 {where}{axis}{numeral(self._speed(motor) or 0.0)}"
+            tmc = self._machine.steppers[motor].tmc
+            given = tmc and (tmc.hold_current_a or tmc.run_current_a) / tmc.run_current_a * 100
+            if given is not None and abs(_percent(state) - given) > 0.05:
+                yield f"M917 {where}{axis}{numeral(round(_percent(state), 1))}"
 
     def _words(self) -> Iterator[tuple[str, DriverState]]:
         groups = {letter: self._all_motors.named(letter) for letter in _MOTORS}
@@ -229,3 +307,8 @@ class DriverCommands:
         for letter in letters:
             self._watch.prewarned.difference_update(self._motors(letter, reply))
         return None
+
+
+def _percent(state: DriverState) -> float:
+    """The current at standstill in percent of the run current."""
+    return 100 * state.settings.hold_a / state.settings.run_a

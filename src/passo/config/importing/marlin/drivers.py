@@ -5,15 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, get_args
 
 from passo.config.drivers import DriverName
+from passo.config.trinamic import CHIPS, chip_of
 
 if TYPE_CHECKING:
     from passo.config.importing.draft import KeyPath
     from passo.config.importing.marlin.conversion import Job
 
 _KNOWN: tuple[str, ...] = get_args(DriverName)
-_UART = ("TMC2208", "TMC2209")
-_SPI = ("TMC2130", "TMC5160")
-_SETTABLE = (*_UART, *_SPI)
+_UART = tuple(name for name, chip in CHIPS.items() if chip.buses[0] == "uart")
 _OWN_TIMES = {"POLOLU": "A4988", "TMC26X": "TMC2660", "A5984": "A5984"}
 _ALWAYS_MM_S = 1e6  # no motor is faster: silent at any speed
 
@@ -33,7 +32,8 @@ def put_driver(job: Job, path: KeyPath, name: str) -> None:
         job.changed(define, text)
         return
     put((*path, "driver"), kind, defines.place(define))
-    if written.endswith("_STANDALONE") or kind not in _SETTABLE:
+    chip = chip_of(kind)
+    if written.endswith("_STANDALONE") or chip is None:
         return
     current = defines.number(f"{name}_CURRENT", f"{first}_CURRENT")
     pins = _pins(job, name, kind, path[-1])
@@ -44,15 +44,17 @@ def put_driver(job: Job, path: KeyPath, name: str) -> None:
         return
     tmc = (*path, "tmc")
     job.rows("driver", name=path[-1], motor=name, axis=first)
+    resistor = "driver_reference" if chip == "TMC2240" else "driver_sense"
+    job.rows(resistor, name=path[-1], motor=name, axis=first)
     hold = defines.number("HOLD_MULTIPLIER")
-    if hold is not None and hold.value > 0:
+    if hold is not None and hold.value > 0 and CHIPS[chip].currents.hold:
         put((*tmc, "hold_current_a"), round(current.value * hold.value / 1000, 4), hold.place)
-    if kind == "TMC2209":
+    if CHIPS[chip].addresses > 1 and kind in _UART:
         job.rows("tmc2209", name=path[-1], motor=name)
     for key, pin in pins.items():
         put((*tmc, key), pin, None)
     group = "STEALTHCHOP_XY" if first in "XY" else f"STEALTHCHOP_{name[0]}"
-    if defines.on(group):
+    if defines.on(group) and CHIPS[chip].mode:
         limit = defines.number(f"{name}_HYBRID_THRESHOLD", f"{name[:2]}_HYBRID_THRESHOLD")
         if defines.on("HYBRID_THRESHOLD") and limit is not None:
             job.put((*tmc, "stealthchop_below_mm_s"), limit)
