@@ -174,6 +174,24 @@ def test_switched_off_sensor_does_nothing(tmp_path):
         assert "enabled, filament present: no" in s.host.ok("M591 D0")[0]
 
 
+def test_what_commands_set_is_stored_and_reset(tmp_path):
+    machine, where = with_sensor(), {"state": str(tmp_path)}
+    with Scenario(machine, **where) as s:
+        assert "SET_FILAMENT_SENSOR SENSOR=roll ENABLE=1 DELAY_MM=0" in s.host.ok("M503")
+        s.host.ok("M412 D80")
+        s.host.ok("M591 D0 S0")
+        told = "\n".join(s.host.ok("M500"))
+        assert "SET_FILAMENT_SENSOR SENSOR=roll ENABLE=0, " in told
+        assert "SET_FILAMENT_SENSOR SENSOR=roll DELAY_MM=80" in told
+    with Scenario(machine, **where) as s:
+        assert s.host.ok("M412")[0] == "echo:Filament runout OFF ; Distance 80mm"
+        s.host.ok("M502")
+        assert s.host.ok("M412")[0] == "echo:Filament runout ON ; Distance 0mm"
+        s.host.ok("SET_FILAMENT_SENSOR SENSOR=roll ENABLE=0")
+        s.host.ok("SET_FILAMENT_SENSOR SENSOR=roll DELAY_MM=5")  # as it is stored alone
+        assert s.host.ok("M412")[0] == "echo:Filament runout OFF ; Distance 5mm"
+
+
 def test_sensor_that_is_not_there_is_refused():
     with Scenario(with_sensor()) as s:
         told = s.host.ok("SET_FILAMENT_SENSOR SENSOR=other ENABLE=0")[0]

@@ -35,6 +35,7 @@ _NAMING = {
     "M906": "IT",
     "M913": "IT",
     "M917": "IT",
+    "SET_FILAMENT_SENSOR": "SENSOR=",
     "SET_MOVE": "NAME=",
     "SET_PROBE_POINT": "N=",
     "SKEW_PROFILE": "SET=",

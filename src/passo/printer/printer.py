@@ -107,7 +107,7 @@ class Printer:
         self.driver_commands = DriverCommands(machine, self.drivers, outputs.motors)
         registers = DriverRegisterCommands(machine, self.drivers)
         self.settings = Settings(
-            *(rig, outputs, motion, heat, self.levelling),
+            *(rig, outputs, motion, heat, self.levelling, inputs.filament),
             *(self.driver_commands, self.prompts, self.endstops),
         )
         self.faults = SimulatedFaultCommands(rig, state, free=free)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from passo.gcode.command import numeral
 from passo.printer.commands.drivers import DriverCommands
 from passo.printer.commands.user_prompts import UserPrompts
+from passo.printer.inputs.filament_sensors import FilamentSensors
 from passo.printer.live_rig import LiveRig
 from passo.printer.setup.heat import Heat
 from passo.printer.setup.levelling import Levelling
@@ -26,6 +27,7 @@ class Settings:
     motion: Motion
     heat: Heat
     levelling: Levelling
+    sensors: FilamentSensors
     drivers: DriverCommands
     prompts: UserPrompts
     endstops: EndstopWatch
@@ -51,6 +53,8 @@ class Settings:
             yield "Filament", list(motion.filament_lines())
             yield "Firmware retraction", list(motion.retraction_lines())
             yield "Filament change", list(motion.change_lines())
+        if sensors := list(self.sensors.setting_lines()):
+            yield "Filament sensors", sensors
         if drivers := list(self.drivers.setting_lines()):
             yield "Motor drivers", drivers
         idle = f"M84 S{numeral(self.outputs.motors.idle_s)}"

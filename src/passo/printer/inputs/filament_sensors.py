@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -155,20 +155,25 @@ class FilamentSensors:
         "SET_FILAMENT_SENSOR",
         Subject.FILAMENT,
         When.IMMEDIATE,
-        "Switches a filament sensor on (ENABLE=1) or off (ENABLE=0).",
+        "Switches a filament sensor on (ENABLE=1) or off (ENABLE=0). DELAY_MM sets the filament that"
+        " is used before the print pauses; without ENABLE it does not switch the sensor.",
         text("SENSOR", "the name of the sensor"),
-        number("ENABLE", "1: on, 0: off", default=1),
+        number("ENABLE", "1: on, 0: off; 1 if there is no DELAY_MM either"),
+        number("DELAY_MM", "the filament that is used before the pause", "mm", 0, _LONGEST_MM),
         kind=Kind.QUIET,
         lacks=_LACKS,
         in_turn=True,
     )
     def _set(self, command: Command, _: Reply) -> None:
-        on = command.value("ENABLE") != 0
+        on = command.value("ENABLE", 1.0) != 0
         stand_in = self._rig.macros.stand_ins.named(FILAMENT_SENSORS, command.string("SENSOR"))
         if stand_in is not None:
             stand_in["enabled"] = on  # of a section that the machine file keeps for macros
-        else:
-            self._enable([self._named(command)], on=on)
+            return
+        sensor = self._named(command)
+        sensor.delay_mm = command.value("DELAY_MM", sensor.delay_mm)
+        if command.has("ENABLE") or not command.has("DELAY_MM"):
+            self._enable([sensor], on=on)
 
     @command(
         "QUERY_FILAMENT_SENSOR",
@@ -255,6 +260,13 @@ class FilamentSensors:
             since = max(self.pushed_mm(sensor) - sensor.mm, 0.0)
             text += f", {since:.1f} of {numeral(sensor.config.length_mm)} mm since the last pulse"
         return text
+
+    def setting_lines(self) -> Iterator[str]:
+        """SET_FILAMENT_SENSOR with the settings of each sensor."""
+        for name, sensor in self.sensors.items():
+            delay = numeral(sensor.delay_mm)
+            on = int(sensor.enabled)
+            yield f"SET_FILAMENT_SENSOR SENSOR={name} ENABLE={on} DELAY_MM={delay}"
 
     def _enable(self, sensors: Iterable[Sensor], *, on: bool) -> None:
         for sensor in sensors:
