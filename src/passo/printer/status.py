@@ -67,6 +67,16 @@ class FaultStatus:
 
 
 @dataclass(frozen=True, slots=True)
+class InputStatus:
+    """An input of a filament sensor or a button as its board reports it, without debouncing.
+    `active` is None until the first report; `changes` counts the changes since the start, which
+    are the pulses of a motion sensor."""
+
+    active: bool | None
+    changes: int
+
+
+@dataclass(frozen=True, slots=True)
 class DriverStatus:
     """A motor driver with registers. `run_a` and `hold_a` are its RMS currents; `mode` is
     stealthChop or spreadCycle. `flags` are the fields of its status register that are not 0; None
@@ -401,7 +411,9 @@ class Status:
     the heaters that a long pause or a fault has switched off, °C by name: they warm up before the
     print resumes. `buttons` are the buttons by name, with True while they are pressed. `outputs`
     are fractions of fully on, without outputs that are fixed; `sensors` are those without a
-    heater; `fan_targets_c` are the targets of the fans with a thermostat, 0 while they are off."""
+    heater; `fan_targets_c` are the targets of the fans with a thermostat, 0 while they are off.
+    `inputs` are those of filament sensors (`filament-` and the name) and buttons (`button-` and
+    the name)."""
 
     state: PrinterState
     halted: str
@@ -448,4 +460,5 @@ class Status:
         default_factory=dict[str, FilamentSensorStatus]
     )
     buttons: dict[str, bool] = field(default_factory=dict[str, bool])
+    inputs: dict[str, InputStatus] = field(default_factory=dict[str, InputStatus])
     drivers: dict[str, DriverStatus] = field(default_factory=dict[str, DriverStatus])

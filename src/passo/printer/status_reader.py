@@ -84,6 +84,7 @@ class StatusReader:
             sensors=self._sensors.status(),
             filament_sensors=self._inputs.filament.status(),
             buttons={n: self._inputs.buttons.pressed.get(n, False) for n in rig.machine.buttons},
+            inputs=self._inputs.inputs.status(),
         )
         for add in self._state.status_parts:
             status = add(status)

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from passo.printer.status import InputStatus
+
 if TYPE_CHECKING:
     from passo.motion.rig import Rig
 
@@ -26,6 +28,7 @@ class Inputs:
         self._rig = rig
         self._levels: dict[str, _Level] = {}
         self._edges: dict[str, Callable[[int], None]] = {}
+        self._changes: dict[str, int] = {}
         # called with each change that a board reports: the input, and whether it is active now
         self.watchers: list[Callable[[str, bool], None]] = []
 
@@ -36,6 +39,14 @@ class Inputs:
             name: level
             for connection in self._rig.connection.connections
             for name, level in connection.inputs.levels.items()
+        }
+
+    def status(self) -> dict[str, InputStatus]:
+        """The inputs of the machine file for the status of the printer."""
+        active = self.active
+        return {
+            name: InputStatus(active.get(name), self._changes.get(name, 0))
+            for name in self._rig.machine.input_pins
         }
 
     def on_level(self, name: str, debounce_s: float, call: Callable[[bool, bool], None]) -> None:
@@ -56,6 +67,8 @@ class Inputs:
         for change in connection.input_changes():
             for watcher in self.watchers:
                 watcher(change.name, change.levels[-1])
+            if not change.first:
+                self._changes[change.name] = self._changes.get(change.name, 0) + len(change.levels)
             if change.name in self._edges and not change.first:
                 self._edges[change.name](len(change.levels))
             elif (level := self._levels.get(change.name)) is not None:

@@ -18,6 +18,12 @@ class FanSpeed(Struct, forbid_unknown_fields=True):
     speed: Annotated[float, Meta(ge=0, le=1)]
 
 
+class FanTarget(Struct, forbid_unknown_fields=True):
+    """The temperature below which a fan keeps its sensor, °C; 0 switches the fan off."""
+
+    celsius: Annotated[float, Meta(ge=0, le=1200)]
+
+
 @operation("fans.list", "GET", "/fans", Role.VIEWER)
 async def fans(call: Call) -> dict[str, float]:
     """The last commanded speed of each fan, a fraction of full speed."""
@@ -37,3 +43,18 @@ async def set_speed(call: Call, name: str, body: FanSpeed) -> None:
     if found is None or not found.commanded:
         raise WebError.of("web.not-found", value=f"fan {name} that commands set")
     await call.command("M106", P=found.number, S=body.speed * 255, F=True)
+
+
+@operation(
+    "fans.set_target",
+    "PUT",
+    "/fans/{name}/target",
+    Role.OPERATOR,
+    errors=("web.not-found", "command.halted", "command.failed"),
+)
+async def set_target(call: Call, name: str, body: FanTarget) -> None:
+    """Sets the target of a fan with a thermostat (SET_TEMPERATURE_FAN_TARGET)."""
+    found = call.bridge.machine.fans.get(name)
+    if found is None or found.thermostat is None:
+        raise WebError.of("web.not-found", value=f"fan {name} with a thermostat")
+    await call.command("SET_TEMPERATURE_FAN_TARGET", TEMPERATURE_FAN=name, TARGET=body.celsius)

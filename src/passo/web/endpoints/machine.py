@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from msgspec import Struct
 
 from passo.config.heater_numbers import heater_of
+from passo.config.inputs import button_input, sensor_input
 from passo.web.call import Call
 from passo.web.operation import operation
 from passo.web.roles import Role
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
 
 
 class HeaterOfMachine(Struct):
@@ -26,9 +30,27 @@ class ToolOfMachine(Struct):
     heater: str | None
 
 
+class OutputOfMachine(Struct):
+    """An output that commands set; with `pwm` it also takes values between off and on."""
+
+    pwm: bool
+
+
+class InputOfMachine(Struct):
+    """The input of a filament sensor or a button on its pin. `part` is the name of the part in the
+    machine file; `length_mm` is that of a motion sensor: at most this much filament passes between
+    two pulses."""
+
+    kind: Literal["switch", "motion", "button"]
+    part: str
+    pin: str
+    length_mm: float | None = None
+
+
 class Machine(Struct):
     """The machine as described by its file. `fans` are those that commands set; `tools` are those
-    that T0, T1, … select; `accelerometer`: it has one, which measures resonances."""
+    that T0, T1, … select; `accelerometer`: it has one, which measures resonances. `inputs` have the
+    names of the status."""
 
     name: str
     description: str
@@ -37,6 +59,8 @@ class Machine(Struct):
     fans: list[str]
     tools: list[ToolOfMachine]
     accelerometer: bool
+    outputs: dict[str, OutputOfMachine]
+    inputs: dict[str, InputOfMachine]
 
 
 @operation("machine.get", "GET", "/machine", Role.VIEWER)
@@ -57,4 +81,20 @@ async def machine(call: Call) -> Machine:
             for number, tool in enumerate(config.all_tools)
         ],
         accelerometer=config.accelerometer is not None,
+        outputs={
+            name: OutputOfMachine(output.pwm != "none")
+            for name, output in config.outputs.items()
+            if not output.fixed
+        },
+        inputs=_inputs(config),
     )
+
+
+def _inputs(config: MachineConfig) -> dict[str, InputOfMachine]:
+    found: dict[str, InputOfMachine] = {}
+    for name, one in config.filament_sensors.items():
+        length_mm = one.length_mm if one.kind == "motion" else None
+        found[sensor_input(name)] = InputOfMachine(one.kind, name, one.pin, length_mm)
+    for name, button in config.buttons.items():
+        found[button_input(name)] = InputOfMachine("button", name, button.pin)
+    return found
