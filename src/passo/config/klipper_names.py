@@ -53,9 +53,24 @@ def sensor_object(machine: MachineConfig, name: str) -> str:
     return f"filament_{machine.filament_sensors[name].kind}_sensor {name}"
 
 
-def temperature_object(name: str) -> str:
-    """Klipper's name for a temperature sensor without a heater."""
-    return f"temperature_sensor {name}"
+def temperature_object(machine: MachineConfig, name: str) -> str:
+    """Klipper's name for a temperature sensor without a heater: that of a fan, if the fan has its
+    name and keeps its temperature. In Klipper, such a fan has the sensor."""
+    fan = machine.fans.get(name)
+    own = fan is not None and fan.thermostat is not None and fan.thermostat.sensor == name
+    return f"temperature_fan {name}" if own else f"temperature_sensor {name}"
+
+
+def temperature_objects(machine: MachineConfig) -> dict[str, str]:
+    """The sensors of all temperatures without a heater, by Klipper's names: those of sensors, then
+    those of fans with a sensor of another name."""
+    sensors = {temperature_object(machine, name): name for name in machine.sensors}
+    fans = {
+        fan_object(machine, name): fan.thermostat.sensor
+        for name, fan in machine.fans.items()
+        if fan.thermostat
+    }
+    return sensors | fans
 
 
 def driver_object(chip: str, stepper: str) -> str:

@@ -13,6 +13,7 @@ from passo.config.sensors import (
     Thermistor,
     ThermocoupleAmplifier,
 )
+from passo.config.shown_sensors import ChipSensor, HostSensor
 from passo.config.thermistor import ZERO_C
 
 if TYPE_CHECKING:
@@ -116,7 +117,26 @@ def _ohm(sensor: Thermistor, celsius: float) -> float:
     return exp(x)
 
 
+def put_shown_sensor(cfg: Cfg, name: str, section: str) -> None:
+    """Writes a sensor without a heater into a section."""
+    shown = cfg.machine.sensors[name]
+    sensor = shown.sensor
+    if isinstance(sensor, HostSensor):
+        cfg.put(section, sensor_type="temperature_host")
+    elif isinstance(sensor, ChipSensor):
+        cfg.put(section, sensor_type="temperature_mcu", sensor_mcu=sensor.board or None)
+    else:
+        cfg.put(section, sensor_pin=cfg.pin(shown.sensor_pin) if shown.sensor_pin else None)
+        put_sensor(cfg, "sensors", name, sensor, section)
+    set_ = shown.model_fields_set
+    low, high = (getattr(shown, key) if key in set_ else None for key in ("min_c", "max_c"))
+    cfg.put(section, min_temp=low, max_temp=high, gcode_id=shown.letter)
+
+
 def _put_thermostat(cfg: Cfg, section: str, kept: Thermostat) -> None:
+    put_shown_sensor(cfg, kept.sensor, section)
+    shown = cfg.machine.sensors[kept.sensor]
+    cfg.put(section, min_temp=max(shown.min_c, -ZERO_C), max_temp=shown.max_c)  # needed for a fan
     cfg.put(section, target_temp=kept.target_c, min_speed=kept.min_power)
     if kept.kp is None:
         cfg.put(section, control="watermark", max_delta=kept.hysteresis_c)

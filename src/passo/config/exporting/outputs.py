@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from passo.config.exporting.heat import put_sensor
+from passo.config.exporting.heat import put_shown_sensor
 from passo.config.klipper_names import temperature_object
-from passo.config.shown_sensors import ChipSensor, HostSensor
 
 if TYPE_CHECKING:
     from passo.config.exporting.cfg import Cfg
@@ -22,18 +21,10 @@ def put_outputs(cfg: Cfg) -> None:
             cfg.put(f"static_digital_output {name}", pins=pin)
         else:
             _put_output(cfg, name, output)
-    for name, shown in cfg.machine.sensors.items():
-        section, sensor = temperature_object(name), shown.sensor
-        if isinstance(sensor, HostSensor):
-            cfg.put(section, sensor_type="temperature_host")
-        elif isinstance(sensor, ChipSensor):
-            cfg.put(section, sensor_type="temperature_mcu", sensor_mcu=sensor.board or None)
-        else:
-            cfg.put(section, sensor_pin=cfg.pin(shown.sensor_pin) if shown.sensor_pin else None)
-            put_sensor(cfg, "sensors", name, sensor, section)
-        set_ = shown.model_fields_set
-        low, high = (getattr(shown, key) if key in set_ else None for key in ("min_c", "max_c"))
-        cfg.put(section, min_temp=low, max_temp=high, gcode_id=shown.letter)
+    for name in cfg.machine.sensors:
+        section = temperature_object(cfg.machine, name)
+        if section not in cfg.sections:  # that of a fan has its sensor
+            put_shown_sensor(cfg, name, section)
 
 
 def _put_output(cfg: Cfg, name: str, output: Output) -> None:

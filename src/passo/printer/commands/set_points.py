@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from passo import _core
 from passo.config.heater_numbers import heater_of
-from passo.config.klipper_names import temperature_object
+from passo.config.klipper_names import temperature_objects
 from passo.config.part_names import found_name
 from passo.errors import CommandError
 from passo.gcode.command import Command
@@ -248,10 +248,10 @@ class SetPoints:
         """Waits for the limits of a sensor, or for a heater to cool down to its maximum. Else waits
         for the target of a heater, if it is within the limits: no other temperature lasts."""
         low, high = command.value("MINIMUM", -inf), command.value("MAXIMUM", inf)
-        sensors = [temperature_object(name) for name in self._machine.sensors]
+        sensors = temperature_objects(self._machine)
         shown = found_name(sensors, command.string("SENSOR"))
         if shown is not None:
-            return WaitForReading(shown.partition(" ")[2], low, high)
+            return WaitForReading(sensors[shown], low, high)
         name = heater_named(self._machine, command, "SENSOR")
         target = self.targets_c.get(name, 0.0)
         if low == -inf and target <= high < inf:

@@ -155,8 +155,8 @@ class FilamentSensors:
         "SET_FILAMENT_SENSOR",
         Subject.FILAMENT,
         When.IMMEDIATE,
-        "Switches a filament sensor on (ENABLE=1) or off (ENABLE=0). DELAY_MM sets the filament that"
-        " is used before the print pauses; without ENABLE it does not switch the sensor.",
+        "Switches a filament sensor on (ENABLE=1) or off (ENABLE=0). DELAY_MM sets the filament"
+        " that is used before the print pauses; without ENABLE it does not switch the sensor.",
         text("SENSOR", "the name of the sensor"),
         number("ENABLE", "1: on, 0: off; 1 if there is no DELAY_MM either"),
         number("DELAY_MM", "the filament that is used before the pause", "mm", 0, _LONGEST_MM),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from passo.config.klipper_names import heater_object, temperature_object
+from passo.config.klipper_names import heater_object, temperature_objects
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -68,9 +68,8 @@ def temperature_sensor(status: Status, name: str) -> Object:
 def heaters(machine: MachineConfig) -> Object:
     """The names of all heaters and sensors."""
     names = [heater_object(machine, name) for name in machine.heaters]
-    shown = [temperature_object(name) for name in machine.sensors]
     return {
         "available_heaters": names,
-        "available_sensors": names + shown,
+        "available_sensors": [*names, *temperature_objects(machine)],
         "available_monitors": [],
     }

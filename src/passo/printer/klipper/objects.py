@@ -106,7 +106,9 @@ def objects(
     for name in status.outputs:
         found[f"output_pin {name}"] = lambda name=name: output_pin(status, name)
     for name in status.sensors:
-        found[temperature_object(name)] = lambda name=name: temperature_sensor(status, name)
+        shown = temperature_object(machine, name)
+        if shown not in found:  # that of a fan shows its sensor
+            found[shown] = lambda name=name: temperature_sensor(status, name)
     for name, sensor in status.filament_sensors.items():
         found[sensor_object(machine, name)] = lambda sensor=sensor: {
             "filament_detected": sensor.detected,
