@@ -8,14 +8,15 @@ import pytest
 from tests.web.fake_bridge import STATUS, FakeBridge
 from tests.web.local_site import client, site
 
-from passo.printer.status import HeaterStatus
+from passo.printer.status import HeaterStatus, SensorStatus
 from passo.web.bridge import Snapshot
 from passo.web.temperature_history import TemperatureHistory
 
 
 def sample(celsius):
     heaters = {"hotend": HeaterStatus(celsius, 200.0, 0.5)}
-    return Snapshot(1, 0.0, replace(STATUS, heaters=heaters))
+    sensors = {"chamber": SensorStatus(celsius / 10, 0.0, 30.0)}
+    return Snapshot(1, 0.0, replace(STATUS, heaters=heaters, sensors=sensors))
 
 
 @pytest.fixture(scope="module")
@@ -42,6 +43,7 @@ def test_day_before_has_a_sample_each_15_s(two_days):
 def test_samples_have_temperature_target_and_power(two_days):
     (last,) = two_days.since(172799)
     assert last.heaters == {"hotend": (172799 % 300, 200.0, 0.5)}
+    assert last.sensors == {"chamber": pytest.approx(172799 % 300 / 10)}
 
 
 def test_recorder_samples_in_the_time_of_its_loop():

@@ -65,6 +65,34 @@ def test_settings_become_commands(web, bridge, path, body, script):
 
 
 @pytest.mark.parametrize(
+    ("path", "body", "script"),
+    [
+        ("outputs/light/value", {"value": 0.25}, "SET_PIN PIN=light VALUE=0.25"),
+        ("outputs/none/value", {"value": 1}, None),
+        ("fans/electronics/target", {"celsius": 40}, "electronics TARGET=40"),
+        ("fans/part/target", {"celsius": 40}, None),
+        ("inputs/filament-sensors/roll", {"enabled": False}, "SENSOR=roll ENABLE=0"),
+        ("inputs/filament-sensors/none", {"enabled": False}, None),
+    ],
+)
+def test_parts_of_the_machine_file_are_set_by_name(path, body, script):
+    bridge = FakeBridge(machine="i3-all-parts")
+    with local_client(bridge) as web:
+        answer = web.put(f"/api/v1/{path}", json=body)
+    assert answer.status_code == (404 if script is None else 204)
+    assert [script in line for line in bridge.asked] == ([] if script is None else [True])
+
+
+def test_machine_names_its_inputs_and_outputs():
+    with local_client(FakeBridge(machine="i3-all-parts")) as web:
+        found = web.get("/api/v1/machine").json()
+    assert found["outputs"] == {"light": {"pwm": True}, "pump": {"pwm": False}}
+    encoder = {"kind": "motion", "part": "encoder", "pin": "^D34", "length_mm": 7.0}
+    assert found["inputs"]["filament-encoder"] == encoder
+    assert found["inputs"]["button-door"]["part"] == "door"
+
+
+@pytest.mark.parametrize(
     ("body", "values"),
     [
         (b'{"celsius": -1}', {"pointer": "/celsius", "value": "Expected float >= 0.0"}),

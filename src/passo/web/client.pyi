@@ -214,6 +214,13 @@ class Fans:
         """Sets the speed of a fan at once. Fans that follow a heater or the boards cannot
         be set."""
         ...
+    def set_target(
+        self,
+        name: str,
+        celsius: float,
+    ) -> None:
+        """Sets the target of a fan with a thermostat (SET_TEMPERATURE_FAN_TARGET)."""
+        ...
 
 class Faults:
     def list(
@@ -401,8 +408,22 @@ class History:
         self,
         span_s: float = ...,
     ) -> passo.web.endpoints.history.Temperatures:
-        """Temperatures, targets and power of all heaters: one sample per second for the
-        last 15 minutes, and one every 15 s for the day before."""
+        """Temperatures, targets and power of all heaters, and other temperatures: one
+        sample per second for the last 15 minutes, and one every 15 s for the day before."""
+        ...
+
+class Inputs:
+    def enable_filament_sensor(
+        self,
+        name: str,
+        enabled: bool,
+    ) -> None:
+        """Enables or disables a filament sensor (SET_FILAMENT_SENSOR)."""
+        ...
+    def endstops(
+        self,
+    ) -> dict[str, bool]:
+        """Asks the boards whether each endstop is triggered."""
         ...
 
 class Job:
@@ -555,6 +576,15 @@ class Motion:
         self,
     ) -> None:
         """Switches the motors off at standstill; axes are not homed any more."""
+        ...
+
+class Outputs:
+    def set(
+        self,
+        name: str,
+        value: float,
+    ) -> None:
+        """Sets an output after the planned moves (SET_PIN)."""
         ...
 
 class Queue:
@@ -927,6 +957,13 @@ class AsyncFans:
         """Sets the speed of a fan at once. Fans that follow a heater or the boards cannot
         be set."""
         ...
+    async def set_target(
+        self,
+        name: str,
+        celsius: float,
+    ) -> None:
+        """Sets the target of a fan with a thermostat (SET_TEMPERATURE_FAN_TARGET)."""
+        ...
 
 class AsyncFaults:
     async def list(
@@ -1114,8 +1151,22 @@ class AsyncHistory:
         self,
         span_s: float = ...,
     ) -> passo.web.endpoints.history.Temperatures:
-        """Temperatures, targets and power of all heaters: one sample per second for the
-        last 15 minutes, and one every 15 s for the day before."""
+        """Temperatures, targets and power of all heaters, and other temperatures: one
+        sample per second for the last 15 minutes, and one every 15 s for the day before."""
+        ...
+
+class AsyncInputs:
+    async def enable_filament_sensor(
+        self,
+        name: str,
+        enabled: bool,
+    ) -> None:
+        """Enables or disables a filament sensor (SET_FILAMENT_SENSOR)."""
+        ...
+    async def endstops(
+        self,
+    ) -> dict[str, bool]:
+        """Asks the boards whether each endstop is triggered."""
         ...
 
 class AsyncJob:
@@ -1268,6 +1319,15 @@ class AsyncMotion:
         self,
     ) -> None:
         """Switches the motors off at standstill; axes are not homed any more."""
+        ...
+
+class AsyncOutputs:
+    async def set(
+        self,
+        name: str,
+        value: float,
+    ) -> None:
+        """Sets an output after the planned moves (SET_PIN)."""
         ...
 
 class AsyncQueue:
@@ -1488,6 +1548,8 @@ class Client:
     @property
     def history(self) -> History: ...
     @property
+    def inputs(self) -> Inputs: ...
+    @property
     def job(self) -> Job: ...
     @property
     def logs(self) -> Logs: ...
@@ -1495,6 +1557,8 @@ class Client:
     def machine(self) -> Machine: ...
     @property
     def motion(self) -> Motion: ...
+    @property
+    def outputs(self) -> Outputs: ...
     @property
     def queue(self) -> Queue: ...
     @property
@@ -1542,6 +1606,8 @@ class AsyncClient:
     @property
     def history(self) -> AsyncHistory: ...
     @property
+    def inputs(self) -> AsyncInputs: ...
+    @property
     def job(self) -> AsyncJob: ...
     @property
     def logs(self) -> AsyncLogs: ...
@@ -1549,6 +1615,8 @@ class AsyncClient:
     def machine(self) -> AsyncMachine: ...
     @property
     def motion(self) -> AsyncMotion: ...
+    @property
+    def outputs(self) -> AsyncOutputs: ...
     @property
     def queue(self) -> AsyncQueue: ...
     @property

@@ -22,10 +22,11 @@ class Reading(NamedTuple):
 
 
 class Sample(NamedTuple):
-    """All heaters at a host time, in seconds."""
+    """All heaters, and the other temperature sensors in °C, at a host time in seconds."""
 
     host_s: float
     heaters: dict[str, Reading]
+    sensors: dict[str, float | None]
 
 
 class TemperatureHistory:
@@ -45,6 +46,10 @@ class TemperatureHistory:
                 {
                     name: Reading(heater.current_c, heater.target_c, heater.power)
                     for name, heater in snapshot.status.heaters.items()
+                },
+                {
+                    name: None if sensor.age_s else sensor.celsius
+                    for name, sensor in snapshot.status.sensors.items()
                 },
             )
         )

@@ -27,16 +27,18 @@ class HeaterPast(Struct):
 
 
 class Temperatures(Struct):
-    """`ages_s` are the times of the samples, in seconds before the answer, oldest first."""
+    """`ages_s` are the times of the samples, in seconds before the answer, oldest first; `sensors`
+    are the temperatures of the sensors without a heater, °C."""
 
     ages_s: list[float]
     heaters: dict[str, HeaterPast]
+    sensors: dict[str, list[float | None]]
 
 
 @operation("history.temperatures", "GET", "/history/temperatures", Role.VIEWER)
 async def temperatures(call: Call, query: Span) -> Temperatures:
-    """Temperatures, targets and power of all heaters: one sample per second for the last 15
-    minutes, and one every 15 s for the day before."""
+    """Temperatures, targets and power of all heaters, and other temperatures: one sample per second
+    for the last 15 minutes, and one every 15 s for the day before."""
     now_s = time.monotonic()
     samples = call.site.temperatures.since(now_s - query.span_s)
     return Temperatures(
@@ -48,6 +50,10 @@ async def temperatures(call: Call, query: Span) -> Temperatures:
                 [_rounded(sample.heaters[name].power, 3) for sample in samples],
             )
             for name in call.bridge.machine.heaters
+        },
+        sensors={
+            name: [_rounded(sample.sensors.get(name), 2) for sample in samples]
+            for name in call.bridge.machine.sensors
         },
     )
 
