@@ -43,7 +43,7 @@ demo: .venv/.built build/$(DEMO).gcode
 	@echo "To see it in the browser: make serve"
 
 serve: .venv/.built web build/card/demo.gcode
-	$(BIN)/passo serve --machine i3 --sd build/card --clock $(CLOCK)
+	$(BIN)/passo serve --machine i3-all-parts --sd build/card --clock $(CLOCK)
 
 # The page, in src/passo/web/static: built where its sources have changed.
 web: .venv/.run

@@ -1,6 +1,6 @@
 import type { Page } from "playwright-core";
 import { expect } from "vitest";
-import { expectAccessible, picture } from "./browser";
+import { expectAccessible, expectFits, picture } from "./browser";
 import { testOf } from "./fixtures";
 
 const test = testOf({ state: true });
@@ -160,4 +160,30 @@ test("the page speaks Italian, and stays so", async ({ page }) => {
   await page.reload();
   await page.getByRole("heading", { name: "Movimento" }).waitFor();
   expect(await page.locator("html").getAttribute("lang")).toBe("it");
+});
+
+testOf({ machine: "i3-all-parts" })("sensors, outputs and filament sensors have cards", async ({ page }) => {
+  const chamber = page.getByRole("group", { name: "chamber" });
+  await chamber.locator(".now", { hasText: /^3\d\.\d/ }).waitFor();
+  await page.getByRole("img", { name: /Temperatures of hotend, bed, chamber, electronics/ }).waitFor();
+
+  const outputs = page.getByRole("region", { name: "Outputs" });
+  await outputs.getByRole("switch", { name: "pump" }).press("Space");
+  await expect.poll(() => outputs.getByRole("switch", { name: "pump" }).getAttribute("aria-checked")).toBe("true");
+  await outputs.getByRole("slider", { name: "light" }).fill("25");
+  await outputs.locator(".slider").getByText("25").waitFor();
+
+  const filament = page.getByRole("region", { name: "Filament sensors" });
+  const roll = filament.getByRole("listitem").filter({ hasText: "roll" });
+  await roll.getByText("Filament detected").waitFor();
+  await roll.getByRole("switch", { name: "Sensor roll" }).click();
+  await roll.getByText("Switched off").waitFor();
+
+  for (const [width, colorScheme] of [[1440, "dark"], [360, "light"]] as const) {
+    await page.setViewportSize({ width, height: 900 });
+    await page.emulateMedia({ colorScheme });
+    await expectFits(page);
+    await expectAccessible(page);
+    await picture(page, `dashboard-parts-${width}-${colorScheme}`);
+  }
 });

@@ -157,3 +157,63 @@ test("settings show the appearance, the values of commands and the logs", async 
   await page.getByText("Italiano").click();
   await page.getByRole("heading", { name: "Aspetto" }).waitFor();
 });
+
+testOf({ machine: "i3-all-parts", clock: 5 })("each part of the machine is tested, with its live state", async ({ page, served }) => {
+  const simulate = async (part: string, fault: string) => {
+    const url = `${served.url}api/v1/simulation/parts/${part}`;
+    const answer = await page.request.put(url, { headers: { "X-Passo-Request": "1" }, data: { fault } });
+    expect(answer.status()).toBe(204);
+  };
+  await page.getByRole("link", { name: "Machine" }).click();
+  await page.getByText("Test parts", { exact: true }).click();
+  const row = (name: string) => page.getByRole("listitem", { name, exact: true });
+
+  const door = row("door");
+  await door.getByText("Not active").waitFor();
+  await door.getByRole("button", { name: "Test door" }).click();
+  await door.getByText("Press the switch now").waitFor();
+  await simulate("button-door", "pressed");
+  await door.getByText("Active", { exact: true }).waitFor();
+  await door.getByText("Now the other way back").waitFor();
+  await simulate("button-door", "none");
+  await door.getByText("Works: both changes seen").waitFor();
+
+  const encoder = row("encoder");
+  await encoder.getByRole("button", { name: "Test encoder" }).click();
+  await encoder.getByText("Move the filament now: 0 pulses").waitFor();
+  const data = { script: "M302 P1\nM83\nG1 E60 F600" };
+  await page.request.post(`${served.url}api/v1/console`, { headers: { "X-Passo-Request": "1" }, data });
+  await encoder.getByText(/Works: \d+ pulses/).waitFor();
+
+  const endstop = page.getByRole("region", { name: "Switches" }).getByRole("listitem", { name: "x", exact: true });
+  await endstop.getByRole("button", { name: "Test x" }).click();
+  await simulate("x-endstop", "triggered");
+  await endstop.getByText("Now the other way back").waitFor();
+  await simulate("x-endstop", "open");
+  await endstop.getByText("Works: both changes seen").waitFor();
+
+  await page.getByRole("switch", { name: "pump" }).click();
+  await expect.poll(() => page.getByRole("switch", { name: "pump" }).getAttribute("aria-checked")).toBe("true");
+  await page.getByRole("slider", { name: "light" }).fill("40");
+  await page.locator(".slider", { has: page.getByRole("slider", { name: "light" }) }).getByText("40").waitFor();
+
+  await page.getByRole("button", { name: "Spin part" }).click();
+  await row("part").getByText("100 %").waitFor();
+  await page.getByRole("button", { name: "Stop part" }).click();
+  await row("part").getByText("0 %", { exact: true }).waitFor();
+  await page.getByRole("button", { name: "Spin electronics" }).click();
+  await page.getByRole("button", { name: "Stop electronics" }).waitFor();
+
+  await row("chamber").getByText("Reads").waitFor();
+  const driver = page.getByRole("region", { name: "Motor drivers" }).getByRole("listitem", { name: "x" });
+  await driver.getByText(/^0\.8\d A/).waitFor();
+  await driver.getByText("No fault").waitFor();
+
+  for (const [width, colorScheme] of [[1440, "light"], [360, "dark"]] as const) {
+    await page.setViewportSize({ width, height: 900 });
+    await page.emulateMedia({ colorScheme });
+    await expectFits(page);
+    await expectAccessible(page);
+    await picture(page, `parts-${width}-${colorScheme}`);
+  }
+});

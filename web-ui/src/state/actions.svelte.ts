@@ -57,6 +57,13 @@ export const setHeater = (name: string, celsius: number) =>
   attempt(call("PUT", `heaters/${segment(name)}/target`, { celsius }));
 export const setFan = (name: string, speed: number) =>
   attempt(call("PUT", `fans/${segment(name)}/speed`, { speed }));
+export const setFanTarget = (name: string, celsius: number) =>
+  attempt(call("PUT", `fans/${segment(name)}/target`, { celsius }));
+/** `value` is a fraction of fully on. */
+export const setOutput = (name: string, value: number) =>
+  attempt(call("PUT", `outputs/${segment(name)}/value`, { value }));
+export const enableFilamentSensor = (name: string, enabled: boolean) =>
+  attempt(call("PUT", `inputs/filament-sensors/${segment(name)}`, { enabled }));
 
 export const home = (axes: readonly string[]) => attempt(call("POST", "motion/home", { axes }));
 export const motorsOff = () => attempt(call("POST", "motion/motors-off"));

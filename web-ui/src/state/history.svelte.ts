@@ -16,6 +16,8 @@ export interface Series {
 export class TemperatureHistory {
   times: number[] = [];
   heaters: Record<string, Series> = {};
+  /** The temperatures of sensors without a heater. */
+  sensors: Record<string, (number | null)[]> = {};
   /** Counts up with each change of the columns, which are too large to be followed one by one. */
   version = $state(0);
 
@@ -32,6 +34,7 @@ export class TemperatureHistory {
         { celsius, target: target_c, power },
       ]),
     );
+    this.sensors = past.sensors;
     this.version++;
   }
 
@@ -46,14 +49,21 @@ export class TemperatureHistory {
       series.target.push(heater.target_c);
       series.power.push(heater.power);
     }
+    for (const [name, sensor] of Object.entries(status.sensors)) {
+      const column = (this.sensors[name] ??= this.#nothing());
+      column.push(sensor.age_s ? null : (sensor.celsius ?? null));
+    }
     const old = this.times.findIndex((time) => time >= now_s - SPAN_S);
     if (old > 0) this.#forget(old);
     this.version++;
   }
 
   #empty(): Series {
-    const nothing = () => Array<null>(this.times.length - 1).fill(null);
-    return { celsius: nothing(), target: nothing(), power: nothing() };
+    return { celsius: this.#nothing(), target: this.#nothing(), power: this.#nothing() };
+  }
+
+  #nothing(): (number | null)[] {
+    return Array<null>(this.times.length - 1).fill(null);
   }
 
   #forget(samples: number): void {
@@ -61,6 +71,7 @@ export class TemperatureHistory {
     for (const { celsius, target, power } of Object.values(this.heaters)) {
       for (const column of [celsius, target, power]) column.splice(0, samples);
     }
+    for (const column of Object.values(this.sensors)) column.splice(0, samples);
   }
 }
 

@@ -4,15 +4,17 @@ import { SPAN_S, TemperatureHistory } from "./history.svelte";
 
 function status(celsius: number | null, age_s = 0): Status {
   const hotend = { celsius, age_s, target_c: 200, power: 0.5, fault: "" };
-  return { heaters: { hotend } } as unknown as Status;
+  const chamber = { celsius, age_s, lowest_c: 20, highest_c: 30, fault: "" };
+  return { heaters: { hotend }, sensors: { chamber } } as unknown as Status;
 }
 
 test("ages of the server become times of the browser", () => {
   const history = new TemperatureHistory();
   const column = { celsius: [20, 21], target_c: [0, 200], power: [0, 1] };
-  history.take({ ages_s: [10, 5], heaters: { hotend: column } }, 1000);
+  history.take({ ages_s: [10, 5], heaters: { hotend: column }, sensors: { chamber: [30, 31] } }, 1000);
   expect(history.times).toEqual([990, 995]);
   expect(history.heaters["hotend"]?.target).toEqual([0, 200]);
+  expect(history.sensors["chamber"]).toEqual([30, 31]);
 });
 
 test("a sample is added at most each second", () => {
@@ -28,6 +30,7 @@ test("a sensor that does not report leaves a gap", () => {
   history.add(status(25), 101);
   history.add(status(25, 3), 102);
   expect(history.heaters["hotend"]?.celsius).toEqual([null, 25, null]);
+  expect(history.sensors["chamber"]).toEqual([null, 25, null]);
 });
 
 test("what is older than the span is forgotten", () => {
@@ -36,4 +39,5 @@ test("what is older than the span is forgotten", () => {
   expect(history.times).toHaveLength(SPAN_S + 1);
   expect(history.times[0]).toBe(SPAN_S - 1);
   expect(history.heaters["hotend"]?.power).toHaveLength(SPAN_S + 1);
+  expect(history.sensors["chamber"]).toHaveLength(SPAN_S + 1);
 });

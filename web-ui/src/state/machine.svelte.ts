@@ -10,6 +10,10 @@ class Machine {
   heaters = $state.raw<Parts["heaters"]>({});
   /** The fans that commands set. */
   fans = $state.raw<Parts["fans"]>([]);
+  /** The outputs that commands set. */
+  outputs = $state.raw<Parts["outputs"]>({});
+  /** Those of filament sensors and buttons, by their names in the status. */
+  inputs = $state.raw<Parts["inputs"]>({});
   tools = $state.raw<Parts["tools"]>([]);
   /** It measures resonances. */
   accelerometer = $state(false);
@@ -19,6 +23,8 @@ class Machine {
     this.name = read.name;
     this.heaters = read.heaters;
     this.fans = read.fans;
+    this.outputs = read.outputs;
+    this.inputs = read.inputs;
     this.tools = read.tools;
     this.accelerometer = read.accelerometer;
   }
