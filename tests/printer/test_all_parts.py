@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pytest
-from tests.support import trinamic_registers as r
 from tests.support.scenario import Scenario
 
 from passo.config.exporting.settings import Sections
@@ -37,20 +36,6 @@ def test_inputs_count_each_change_of_their_level(s):
     s.passes(1)
     # the simulated wheel changes its level four times in 7 mm
     assert s.printer.status.read().inputs["filament-encoder"].changes == pytest.approx(40, abs=1)
-
-
-def test_driver_shows_its_currents_and_its_faults(s):
-    driver = s.printer.status.read().drivers["x"]
-    assert (driver.chip, driver.microsteps, driver.stealth) == ("TMC2209", 16, True)
-    assert (driver.run_a, driver.faults) == (pytest.approx(0.8, abs=0.02), ())
-    assert shown(s, "tmc2209 stepper_x")["drv_status"] is None  # the motor is off
-    s.host.ok("M17")
-    s.board.drivers["x"].set(r.DRV_STATUS, 1)
-    s.passes(3)
-    driver = s.printer.status.read().drivers["x"]
-    assert [fault.code for fault in driver.faults] == ["driver.hot"]
-    known = shown(s, "tmc2209 stepper_x")
-    assert (known["drv_status"]["otpw"], known["run_current"]) == (1, driver.run_a)
 
 
 def test_fan_with_a_sensor_of_its_name_shows_the_temperature_once(s):

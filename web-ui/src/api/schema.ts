@@ -313,6 +313,11 @@ export interface FanSpeed {
   speed: number;
 }
 
+/** The temperature below which a fan keeps its sensor, °C; 0 switches the fan off. */
+export interface FanTarget {
+  celsius: number;
+}
+
 /** An error of the catalogue. `message` says what is wrong and where, `action` what to do next;
  * `values` are those in the message. */
 export interface Fault {
@@ -337,6 +342,11 @@ export interface FilamentSensorStatus {
   detected: boolean;
   enabled: boolean;
   moves: boolean;
+}
+
+/** Whether a filament sensor is enabled. */
+export interface FilamentSensorSwitch {
+  enabled: boolean;
 }
 
 /** A file or folder. `size` is in bytes, 0 of a folder; `modified_s` is the time of its last
@@ -467,6 +477,24 @@ export interface Image {
   sha256: string;
 }
 
+/** The input of a filament sensor or a button on its pin. `part` is the name of the part in the
+ * machine file; `length_mm` is that of a motion sensor: at most this much filament passes between
+ * two pulses. */
+export interface InputOfMachine {
+  kind: "button" | "motion" | "switch";
+  part: string;
+  pin: string;
+  length_mm?: number | null;
+}
+
+/** An input of a filament sensor or a button as its board reports it, without debouncing. `active`
+ * is None until the first report; `changes` counts the changes since the start, which are the
+ * pulses of a motion sensor. */
+export interface InputStatus {
+  active?: boolean | null;
+  changes: number;
+}
+
 /** A print that a power cut, a halt or the end of the program has interrupted, and that M1000
  * resumes. `path` is its path on the card, `line` the line where it stopped (0: before its first
  * move). `way` continues the sentence "M1000 resumes it": from where, and what to do by hand
@@ -588,7 +616,8 @@ export interface LogRecord {
 }
 
 /** The machine as described by its file. `fans` are those that commands set; `tools` are those
- * that T0, T1, … select; `accelerometer`: it has one, which measures resonances. */
+ * that T0, T1, … select; `accelerometer`: it has one, which measures resonances. `inputs` have
+ * the names of the status. */
 export interface Machine {
   name: string;
   description: string;
@@ -597,6 +626,8 @@ export interface Machine {
   fans: string[];
   tools: ToolOfMachine[];
   accelerometer: boolean;
+  outputs: Record<string, OutputOfMachine>;
+  inputs: Record<string, InputOfMachine>;
 }
 
 /** The text of the machine file. `path` is null if there is no file to change: for a shipped
@@ -728,6 +759,16 @@ export interface NewValue {
 /** Whether an object is cancelled. */
 export interface ObjectState {
   cancelled: boolean;
+}
+
+/** An output that commands set; with `pwm` it also takes values between off and on. */
+export interface OutputOfMachine {
+  pwm: boolean;
+}
+
+/** The value of an output, as a fraction of fully on. An output without PWM takes 0 or 1. */
+export interface OutputValue {
+  value: number;
 }
 
 /** One or several parameters of a command: letters or keys. `kind` is number, whole number, flag
@@ -970,7 +1011,8 @@ export interface SpeedFactor {
  * before the print resumes. `buttons` are the buttons by name, with True while they are pressed.
  * `outputs` are fractions of fully on, without outputs that are fixed; `sensors` are those
  * without a heater; `fan_targets_c` are the targets of the fans with a thermostat, 0 while they
- * are off. */
+ * are off. `inputs` are those of filament sensors (`filament-` and the name) and buttons
+ * (`button-` and the name). */
 export interface Status {
   state: PrinterState;
   halted: string;
@@ -1015,6 +1057,7 @@ export interface Status {
   sensors: Record<string, SensorStatus>;
   filament_sensors: Record<string, FilamentSensorStatus>;
   buttons: Record<string, boolean>;
+  inputs: Record<string, InputStatus>;
   drivers: Record<string, DriverStatus>;
 }
 
@@ -1043,10 +1086,12 @@ export interface StoredMesh {
   interpolation: "bicubic" | "bilinear";
 }
 
-/** `ages_s` are the times of the samples, in seconds before the answer, oldest first. */
+/** `ages_s` are the times of the samples, in seconds before the answer, oldest first; `sensors`
+ * are the temperatures of the sensors without a heater, °C. */
 export interface Temperatures {
   ages_s: number[];
   heaters: Record<string, HeaterPast>;
+  sensors: Record<string, (number | null)[]>;
 }
 
 /** The coefficients of a heater's thermistor: its resistance at 25 °C, β, and C of the equation
