@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -104,13 +105,13 @@ class _Source(Source):
         value: Value | None
         if self._defines.first(name) is None:
             return None
-        match unit.partition(" ")[0]:
+        match re.split("[ ,]", unit)[0]:
             case "flag":
                 value = self._defines.on(name)
             case "text":
                 value = self._defines.text(name)
             case "pin":
-                value = self._job.pins.given(name)
+                value = self._job.pins.given(name, analog="analog" in unit)
             case _:
                 found = self._defines.numbers(name) if index else [self._defines.number(name)]
                 read = found[min(int(index or 0), len(found) - 1)] if found else None

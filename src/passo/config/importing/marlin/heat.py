@@ -76,19 +76,13 @@ def _put_heater(job: Job, name: str, mark: str) -> None:
     path, defines, hotend = ("heaters", name), job.defines, mark.isdigit()
     sensor = job.needed(f"TEMP_SENSOR_{mark}")
     job.draft.put((*path, "kind"), "hotend" if hotend else mark.lower(), sensor.place)
-    pins = (
-        ("pin", "output", (f"HEATER_{mark}_PIN",)),
-        ("sensor_pin", "sensor", (f"TEMP_{mark}_PIN",)),
-    )
-    for key, role, names in pins:
-        pin = job.pins.given(*names, analog=role == "sensor")
-        if pin is not None:
-            job.draft.put((*path, key), pin, job.place(*names))
-            continue
-        function = job.pins.functions.get(f"hotend{mark}" if hotend else mark.lower())
-        if function is None or getattr(function, role) is None:
+    job.rows("heater_pins", name=name, mark=mark)
+    function = job.pins.functions.get(f"hotend{mark}" if hotend else mark.lower())
+    own = (function and function.output, function and function.sensor)
+    for key, define, pin in zip(("pin", "sensor_pin"), ("HEATER", "TEMP"), own, strict=True):
+        if pin is None and (*path, key) not in job.draft.keys:
             limit = f"a pin: the board {job.pins.board.name} has none for this heater"
-            raise bad(sensor.place, names[0], "missing", limit)
+            raise bad(sensor.place, f"{define}_{mark}_PIN", "missing", limit)
     _put_sensor(job, path, sensor, mark)
     stem, older = (f"HEATER_{mark}", f"HOTEND_{mark}") if hotend else (mark, mark)
     job.rows("heater", sensor.place, name=name, stem=stem, older=older)
@@ -225,8 +219,7 @@ def _put_converter(job: Job, path: KeyPath, sensor: Read, kind: str, mark: str) 
 def _put_part_fan(job: Job) -> None:
     pin, board = job.pins.given("FAN_PIN", "FAN0_PIN"), job.pins.functions.get("fan0")
     if pin is not None or board is not None:
-        place = job.place("FAN_PIN", "FAN0_PIN") if pin else None
-        job.draft.put(("fans", "part", "pin"), pin or (board and board.output), place)
+        job.draft.put(("fans", "part", "pin"), board and board.output, None)
         job.rows("part_fan")
 
 
