@@ -845,7 +845,8 @@ def test_every_define_of_the_reference_is_read(load, monkeypatch: pytest.MonkeyP
         ASSISTED_TRAMMING PROBE_MANUALLY INPUT_SHAPING_X USE_CONTROLLER_FAN
         BACKLASH_COMPENSATION
         MESH_BED_LEVELING SKEW_CORRECTION NOZZLE_PARK_FEATURE LIN_ADVANCE PSU_CONTROL FT_MOTION
-        FTM_IS_DEFAULT_MOTION STEALTHCHOP_XY Z_STEPPER_AUTO_ALIGN ADVANCED_PAUSE_FEATURE"""
+        FTM_IS_DEFAULT_MOTION STEALTHCHOP_XY Z_STEPPER_AUTO_ALIGN ADVANCED_PAUSE_FEATURE
+        SENSORLESS_HOMING"""
     values = {
         "Z_STEPPER_ALIGN_XY": "{ { 10, 10 }, { 150, 10 } }",
         "NOZZLE_PARK_POINT": "{ 10, 10, 5 }",
@@ -855,6 +856,7 @@ def test_every_define_of_the_reference_is_read(load, monkeypatch: pytest.MonkeyP
         "TRAMMING_POINT_XY": "{ { 50, 50 }, { 150, 50 } }",
         "CONTROLLER_FAN_PIN": 17,
         "X_CURRENT": 500,
+        "X_STALL_SENSITIVITY": 70,
         "X_SERIAL_RX_PIN": 63,
         "Z_CURRENT": 500,
         "Z_SERIAL_RX_PIN": 40,
