@@ -527,6 +527,7 @@ stealthchop_threshold: 999999
 [tmc2209 stepper_z]
 uart_pin: PC12
 run_current: 0.6
+hold_current: 0.9
 [motor_constants ours]
 resistance: 1.65
 inductance: 0.0036
@@ -548,7 +549,7 @@ tuning_goal: silent
     assert (x.motor.inductance_mh, x.motor.supply_v, x.motor.extra_hysteresis) == (3.6, 48, 2)
     assert x.registers == {"tbl": 1}
     assert x.stealthchop_below_mm_s is None  # auto: X is strong
-    assert z.stealthchop_below_mm_s == 1e6
+    assert (z.stealthchop_below_mm_s, z.hold_current_a) == (1e6, None)
     decided = remarks(draft, "decide")
     assert any("give steppers.z.tmc.motor from the data sheet of somebodys" in t for t in decided)
 

@@ -123,6 +123,11 @@ def _check_keys(data: Raw, stepper: Raw, tmc: Raw, chip: ChipName, path: Path) -
     if CHIPS[chip].addresses == 1 and "address" in tmc:
         limit = f"no address: that of a {chip} is 0"
         yield Finding("config.conflict", (*path, "address"), tmc["address"], limit)
+    address, most = number(tmc, "address") or 0, CHIPS[chip].addresses - 1
+    if most > 0 and address > most:
+        yield Finding(
+            "config.value", (*path, "address"), tmc["address"], f"0 to {most} for a {chip}"
+        )
     if not CHIPS[chip].currents.hold and "hold_current_a" in tmc:
         limit = f"no such key: a {chip} has one current, also at standstill"
         yield Finding("config.conflict", (*path, "hold_current_a"), tmc["hold_current_a"], limit)

@@ -129,7 +129,7 @@ _UART_START = (
     _UART_MODE | _ANSWER | _DELAYS | {"pwm_ofs": 36, "pwm_freq": 1, "pwm_reg": 1} | _PWM | _CHOPPER
 )
 _SPI_START = _DELAYS | _NO_COOLING | {"thigh": 0}
-_WITH_SCALER = _SPI_START | {"multistep_filt": 1, "pwm_reg": 4} | _PWM | _CHOPPER
+_WITH_SCALER = _SPI_START | {"multistep_filt": 1, "pwm_reg": 4, "tpfd": 4} | _PWM | _CHOPPER
 
 CHIPS: Mapping[ChipName, Chip] = {
     "TMC2208": Chip(("uart",), TMC2208, _SENSE, 12_000_000, _UART_START, 0x20),
@@ -158,7 +158,7 @@ CHIPS: Mapping[ChipName, Chip] = {
         ),
         12_500_000,
         _WITH_SCALER | _ANSWER | {"pwm_ofs": 29, "irundelay": 4, "sg4_angle_offset": 1}, 0x40,
-        addresses=4, shown=("GCONF", "CHOPCONF", "DRV_CONF"),
+        addresses=8, shown=("GCONF", "CHOPCONF", "DRV_CONF"),
         measured=("ADC_TEMP", "ADC_VSUPPLY_AIN"),
     ),
     "TMC2660": Chip(

@@ -53,9 +53,9 @@ class Tmc(Model):
     """The pin of the UART of a driver. If not given, that of the socket."""
     tx_pin: Pin | None = None
     """The pin that sends, on boards with a pin for each direction. If not given, `uart_pin`."""
-    address: Annotated[int, Field(ge=0, le=3)] = 0
-    """The address of a TMC2209, TMC2226 or TMC2240, set by its pins MS1 and MS2. With the UART of
-    the socket, that of the socket if not given."""
+    address: Annotated[int, Field(ge=0, le=7)] = 0
+    """The address of a TMC2209 or TMC2226, 0 to 3, set by its pins MS1 and MS2, or of a TMC2240, 0
+    to 7. With the UART of the socket, that of the socket if not given."""
     cs_pin: Pin | None = None
     """The chip select of a driver on SPI. If not given, that of the socket."""
     clock_pin: Pin | None = None

@@ -189,6 +189,9 @@ TMC2240 = TMC2130 | layout(
  diag0_otpw 6, diag0_stall 7, diag1_stall 8, diag1_index 9, diag1_onstate 10, diag0_pushpull 12,\
  diag1_pushpull 13, small_hysteresis 14, stop_enable 15, direct_mode 16
 01 GSTAT rw: reset 0, drv_err 1, uv_cp 2, register_reset 3, vm_uvlo 4
+70 PWMCONF rw: pwm_ofs 0-7, pwm_grad 8-15, pwm_freq 16-17, pwm_autoscale 18, pwm_autograd 19,\
+ freewheel 20-21, pwm_meas_sd_enable 22, pwm_dis_reg_stst 23, pwm_reg 24-27, pwm_lim 28-31
+71 PWM_SCALE r: pwm_scale_sum 0-9, pwm_scale_auto 16-24±
 02 IFCNT r: ifcnt 0-7
 03 SLAVECONF rw: slaveaddr 0-7, senddelay 8-11
 04 IOIN r: step 0, dir 1, encb 2, enca 3, drv_enn 4, encn 5, uart_en 6, comp_a 8, comp_b 9,\

@@ -78,9 +78,19 @@ def _put_chip(
     if chip == "TMC2660":
         job.put("tmc2660", section, name=path[-1])
     else:
-        job.put("driver_hold", section, name=path[-1])
+        _put_hold(job, section, path)
     _put_registers(job, section, path, CHIPS[chip])
     return True
+
+
+def _put_hold(job: Import, section: Section, path: KeyPath) -> None:
+    """Imports the current at standstill; in Klipper it is at most the run current."""
+    run, hold = section.number("run_current"), section.number("hold_current")
+    if run is None or hold is None or hold <= run:
+        job.put("driver_hold", section, name=path[-1])
+        return
+    text = "it is that of the moving motor, as in Klipper"
+    job.draft.changed(section.at("hold_current"), f"hold_current in [{section.name}]", text)
 
 
 def _put_registers(job: Import, section: Section, path: KeyPath, chip: Chip) -> None:
