@@ -15,8 +15,11 @@ from pathlib import Path
 
 import pytest
 from tests.docs.test_tutorial import commands
+from tests.support.scenario import Scenario
+from tests.support.stall_machine import with_table
 
 import passo._core
+from passo.config.load import load_text, shipped_text
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "docs/how-to"
@@ -281,3 +284,26 @@ def test_added_calibration_task_sets_and_undoes_its_value(copy):
     command = [sys.executable, "tools/build_page.py", "--test", "browser"]
     done = subprocess.run(command, cwd=copy, env=environment, capture_output=True, text=True)
     assert "1 passed" in done.stdout, done.stdout + done.stderr
+
+
+def test_homing_without_switches_works_as_shown():
+    text = page("home-without-switches")
+    stepper, _, homing = blocks(text, "toml")[0].partition("[homing.x]")
+    machine = with_table(shipped_text("i3"), "steppers.x", stepper)
+    machine = with_table(machine, "homing.x", f"[homing.x]{homing}")
+    with Scenario(load_text(machine, "stall.toml")) as s:
+        s.board.place("x", 120.0)
+        command, *_ = blocks(text, "gcode")[0].splitlines()
+        printed = [line for line in s.host.ok(command, 600) if "busy" not in line]
+        assert [*shown_lines(text, printed)] == printed[:-1]
+        s.host.ok("G1 X80 F6000")
+        assert s.host.ok("G28 X", 60)[-1] == "ok"
+        assert abs(s.positions()["x"] - 3.0) < 0.05
+
+
+def shown_lines(text: str, printed: list[str]) -> Iterable[str]:
+    """The printed lines that the page shows; … stands for anything."""
+    for line, said in zip(blocks(text, "text")[0].splitlines(), printed, strict=False):
+        pattern = ".*".join(map(re.escape, line.split("…")))
+        assert re.fullmatch(pattern, said), (line, said)
+        yield said

@@ -34,19 +34,26 @@ def homing(threshold: int, more: str = "", fast: float = 20.0, home: str = "x") 
     )
 
 
-def with_homing(text: str, home: str, table: str) -> str:
-    """A machine file with another table for the homing of an axis."""
-    begin = text.index(f"[homing.{home}]")
-    return text[:begin] + table + text[text.index("[", text.index("\n", begin)) :]
+def with_table(text: str, name: str, table: str) -> str:
+    """A machine file with another table of this name."""
+    begin = text.index(f"[{name}]")
+    return text[:begin] + table + text[text.index("\n[", begin) + 1 :]
+
+
+def silent_text(
+    threshold: int = 60, more: str = "", fast: float = 20.0, firmware: Firmware = "virtual"
+) -> str:
+    """The machine file of an i3 with a TMC2209 at X."""
+    drivers = DRIVERS.replace(_UART, _UART.replace(" }", ', diag_pin = "X_MIN" }'), 1)
+    text = machine_text(drivers, firmware)
+    return with_table(text, "homing.x", homing(threshold, more, fast))
 
 
 def silent_machine(
     threshold: int = 60, more: str = "", fast: float = 20.0, firmware: Firmware = "virtual"
 ) -> MachineConfig:
-    """An i3 with a TMC2209 at X."""
-    drivers = DRIVERS.replace(_UART, _UART.replace(" }", ', diag_pin = "X_MIN" }'), 1)
-    text = machine_text(drivers, firmware)
-    return config.load_text(with_homing(text, "x", homing(threshold, more, fast)), "stall.toml")
+    """That machine."""
+    return config.load_text(silent_text(threshold, more, fast, firmware), "stall.toml")
 
 
 def spi_machine(chip: str, key: str, threshold: int) -> MachineConfig:
@@ -54,4 +61,15 @@ def spi_machine(chip: str, key: str, threshold: int) -> MachineConfig:
     text = shipped_text("i3")
     begin, end = text.index("[steppers.x]"), text.index("[steppers.y]")
     text = text[:begin] + SPI.format(chip=chip, key=key) + "\n" + text[end:]
-    return config.load_text(with_homing(text, "x", homing(threshold)), "stall.toml")
+    return config.load_text(with_table(text, "homing.x", homing(threshold)), "stall.toml")
+
+
+def belts_machine(threshold: int = 60) -> MachineConfig:
+    """A CoreXY machine whose X and Y home by stalls."""
+    text = shipped_text("corexy")
+    for motor, pin, end in (("a", "D40", "X_MIN"), ("b", "D42", "Y_MIN")):
+        tmc = f'tmc = {{ run_current_a = 0.8, uart_pin = "{pin}", diag_pin = "{end}" }}'
+        text = text.replace(f"[steppers.{motor}]", f"[steppers.{motor}]\n{tmc}")
+    for home in "xy":
+        text = with_table(text, f"homing.{home}", homing(threshold, home=home))
+    return config.load_text(text, "belts.toml")

@@ -61,6 +61,14 @@ MACHINE: Mapping[str, Entry] = {
         " higher; or raise homing.stall.current_a",
         ExitStatus.MACHINE_FAULT,
     ),
+    "machine.stall-unstable": Entry(
+        "homing",
+        "the stall detection of axis {axis} is not reliable: the thresholds {value} stop it at its"
+        " end, and not before; at least {limit} are needed",
+        "Home faster (homing.fast), up to one rotation of the motor in a second, or set another"
+        " homing.stall.current_a; then calibrate again",
+        ExitStatus.MACHINE_FAULT,
+    ),
     "machine.stall-shown": Entry(
         "homing",
         "{axis} was not homed: the {value} shows a stall while its motor is at rest",

@@ -49,6 +49,7 @@ from passo.printer.commands import (
     simulated_faults,
     skew,
     speed_and_flow,
+    stalls,
     steps_and_offsets,
     temperature,
     temperature_report,
@@ -89,6 +90,7 @@ MODULES = (
     *(
         simulated_faults,
         speed_and_flow,
+        stalls,
         steps_and_offsets,
         temperature,
         temperature_report,

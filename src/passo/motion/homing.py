@@ -175,6 +175,42 @@ class Homer:
                 ]
                 await self._together(ways, once)
 
+    async def stall_within(self, name: str, far: float, back: float | None) -> float | None:
+        """Moves an axis by at most `far` towards its end until its motor stalls, and then `back`,
+        by default as far as it has moved. Returns the travel until the stall; None if it did not
+        stall. The axis is not homed afterwards."""
+        actuators, arms = self._machine.geometry.actuators, self._machine.geometry.arms
+        way = self._way(name, actuators if name in arms else self._axes)
+        speed_of = dict.fromkeys(way.switches, way.config.fast)
+        with self._homing():
+            square = self._rig.square(lambda: bool(self._interrupts.halted))
+            with self._correction.suspended(), square, self._triggered.prepared():
+                job = self._rig.job
+                job.axes.use_joints(name in arms)
+                try:
+                    async with self._stalls.detecting(speed_of):
+                        moved = await self._stall_at_most(way, far)
+                        by = far if moved is None else moved if back is None else back
+                        await self._go([-by], [way])
+                    return moved
+                finally:
+                    job.axes.use_joints(False)
+                    self._rig.lock(self._machine.axes_of_arms if name in arms else [name])
+
+    async def _stall_at_most(self, way: _HomingAxis, far: float) -> float | None:
+        stuck = await self._stalls.still_shown(way.switches)
+        if stuck is not None:
+            raise self._problem("machine.stall-shown", stuck, 0.0)
+        self._place(way, way.home - way.sign * far)
+        before = self._stalls.counts(way.switches)
+        try:
+            await self._seek([way], [far], [way.config.fast])
+        except CommandError as error:
+            if error.problems[0].code != "machine.stall-missed":
+                raise
+            return None
+        return self._stalls.travel(way.switches, before)
+
     @contextmanager
     def _homing(self) -> Generator[None]:
         """Use it around homing: within the block, reports show the last position of the program."""

@@ -12,6 +12,7 @@ from passo.motion.endstops import homed_axes
 from passo.printer.commands.driver_registers import DriverRegisterCommands
 from passo.printer.commands.drivers import DriverCommands
 from passo.printer.commands.simulated_faults import SimulatedFaultCommands
+from passo.printer.commands.stalls import StallCommands
 from passo.printer.commands.user_prompts import UserPrompts
 from passo.printer.control import Control
 from passo.printer.dispatch import Dispatch
@@ -106,14 +107,15 @@ class Printer:
         )
         self.driver_commands = DriverCommands(machine, self.drivers, outputs.motors)
         registers = DriverRegisterCommands(machine, self.drivers)
+        stalls = StallCommands(machine, self.drivers, motion.homer)
         self.settings = Settings(
             *(rig, outputs, motion, heat, self.levelling, inputs.filament),
-            *(self.driver_commands, self.prompts, self.endstops),
+            *(self.driver_commands, self.prompts, self.endstops, stalls),
         )
         self.faults = SimulatedFaultCommands(rig, state, free=free)
         self.dispatch = Dispatch(rig, state, self.waits, skips, heat.settings.guard_extrusion)
         self.dispatch.add(stops, self.prompts, self.endstops, self.faults)
-        self.dispatch.add(self.driver_commands, registers)
+        self.dispatch.add(self.driver_commands, registers, stalls)
         self.dispatch.add(*outputs.handlers, *heat.handlers, *motion.handlers)
         self.dispatch.add(*self.levelling.handlers, *inputs.handlers)
         idle = IdleWatch(

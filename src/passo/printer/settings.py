@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from passo.gcode.command import numeral
 from passo.printer.commands.drivers import DriverCommands
+from passo.printer.commands.stalls import StallCommands
 from passo.printer.commands.user_prompts import UserPrompts
 from passo.printer.inputs.filament_sensors import FilamentSensors
 from passo.printer.live_rig import LiveRig
@@ -31,6 +32,7 @@ class Settings:
     drivers: DriverCommands
     prompts: UserPrompts
     endstops: EndstopWatch
+    stalls: StallCommands
 
     def lines(self) -> Iterator[str]:
         """All settings as commands."""
@@ -57,6 +59,8 @@ class Settings:
             yield "Filament sensors", sensors
         if drivers := list(self.drivers.setting_lines()):
             yield "Motor drivers", drivers
+        if stalls := list(self.stalls.setting_lines()):
+            yield "Stall detection", stalls
         idle = f"M84 S{numeral(self.outputs.motors.idle_s)}"
         yield "Idle times", [idle, self.prompts.kill_line()]
         yield "Endstops", [self.endstops.stop_line()]

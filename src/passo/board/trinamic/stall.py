@@ -9,7 +9,7 @@ from passo.config.stalls import STALL_KINDS
 
 # A driver measures no load below this fraction of the speed of homing: while the motor accelerates,
 # the load value is low.
-_LEAST_SPEED = 0.6
+_LEAST_SPEED = 0.8
 
 
 def stall_threshold(settings: DriverSettings) -> int:
