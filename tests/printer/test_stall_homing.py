@@ -195,3 +195,17 @@ def test_wrong_keys_of_stall_detection_are_explained(change, message):
     with pytest.raises(ConfigError) as error:
         config.load_text(text.replace(*change), "stall.toml")
     assert message in str(error.value)
+
+
+def test_klippers_words_for_current_and_threshold_apply_to_homing():
+    with Scenario(silent_machine()) as s:
+        s.host.ok("SET_TMC_CURRENT STEPPER=stepper_x CURRENT=0.5")
+        s.host.send("G28 X")
+        assert s.until(lambda: s.board.drivers["x"].read(TCOOLTHRS) > 0, 5)
+        assert irun(s) == 15
+        s.host.expect("^ok", 60)
+        assert irun(s) == 15
+        s.host.ok("SET_TMC_CURRENT STEPPER=stepper_x CURRENT=0.8")
+        s.host.ok("SET_TMC_FIELD STEPPER=stepper_x FIELD=SGTHRS VALUE=200")
+        assert "detected a stall after" in homed(s)[0]
+        assert s.host.ok("M914")[0] == "X homing sensitivity: 200"
