@@ -6,6 +6,7 @@
 #include "geometry/cartesian.hpp"
 #include "geometry/core_belts.hpp"
 #include "geometry/delta.hpp"
+#include "geometry/deltesian.hpp"
 #include "geometry/dual_scara.hpp"
 #include "geometry/rotary_delta.hpp"
 #include "geometry/scara.hpp"
@@ -27,6 +28,8 @@ std::unique_ptr<Geometry> rectangular(const std::string& kind, const GeometryPar
   if (kind == "delta")
     return std::make_unique<Delta>(number("radius"), list("rods"), list("angles"),
                                    number("limit_radius"));
+  if (kind == "deltesian")
+    return std::make_unique<Deltesian>(list("towers_x"), list("rods"), number("min_angle"));
   if (kind == "rotary_delta")
     return std::make_unique<RotaryDelta>(number("effector_length"), number("base_length"),
                                          number("rod_length"), number("arm_length"),

@@ -151,6 +151,29 @@ def _rotary_forward(m, positions):
     return trilaterate(centres, [m.rod_length] * 3)
 
 
+def _deltesian_inverse(m, point):
+    """The rod is the long side of a right triangle; a carriage is above the nozzle by its upright
+    side."""
+    x, y, z = point
+    heights = []
+    for tower, rod in zip(m.towers_x, m.rods, strict=True):
+        if abs(x - tower) > rod * cos(radians(m.min_angle)):
+            raise ValueError("the rod is too flat")
+        heights.append(z + sqrt(rod**2 - (x - tower) ** 2))
+    return heights[0], y, heights[1]
+
+
+def _deltesian_forward(m, positions):
+    """The lower common point of two circles, by the angle of the left rod to the line between the
+    carriages."""
+    a, y, b = positions
+    (left, right), (rod1, rod2) = m.towers_x, m.rods
+    far = hypot(right - left, b - a)
+    lean = atan2(b - a, right - left)
+    turn = acos((rod1**2 + far**2 - rod2**2) / (2 * rod1 * far))
+    return left + rod1 * cos(lean - turn), y, a + rod1 * sin(lean - turn)
+
+
 def _direction(y, x, middle_deg):
     """atan2 in radians, within half a turn of `middle_deg`."""
     middle, angle = radians(middle_deg), atan2(y, x)
@@ -239,6 +262,7 @@ _INVERSE = {
     "hybrid_corexy": _hybrid_xy_inverse,
     "hybrid_corexz": _hybrid_xz_inverse,
     "delta": _delta_inverse,
+    "deltesian": _deltesian_inverse,
     "rotary_delta": _rotary_inverse,
     "scara": _scara_inverse,
     "dual_scara": _dual_inverse,
@@ -251,6 +275,7 @@ _FORWARD = {
     "hybrid_corexy": _hybrid_xy_forward,
     "hybrid_corexz": _hybrid_xz_forward,
     "delta": _delta_forward,
+    "deltesian": _deltesian_forward,
     "rotary_delta": _rotary_forward,
     "scara": _scara_forward,
     "dual_scara": _dual_forward,

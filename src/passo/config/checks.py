@@ -175,7 +175,8 @@ def check_homing(data: Raw, actuators: tuple[str, ...], arms: tuple[str, ...]) -
     """Checks that each homed part exists, and has one endstop or one for each of its motors."""
     axes = axis_order(table(data, "axes"))
     drivable = Drivable(actuators, axes, table(data, "extruders"))
-    names = [*arms, *axes[2:]] if arms else axes
+    alone = [axis for axis in axes if axis in actuators or axis not in axes[:2]]
+    names = [*arms, *alone] if arms else axes
     sections = dict(tables(data, "homing"))
     for name, homing in sections.items():
         path = ("homing", name)

@@ -218,7 +218,7 @@ class MachineConfig(Model):
         """The axes whose positions depend only on the arms; empty if arms are not homed."""
         if not any(name in self.geometry.arms for name in self.homing):
             return ()
-        return ("x", "y", "z") if self.geometry.lifts_together else ("x", "y")
+        return self.geometry.axes_of_arms
 
     @property
     def home_point(self) -> Point:

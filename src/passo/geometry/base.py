@@ -21,8 +21,9 @@ class Unreachable(ValueError):
 
 class GeometryModel(BaseModel):
     """The parameters of a geometry. `actuators` names its motors; those in `rotary` count in
-    degrees. If it `lifts_together`, a Z move in the middle moves all motors equally. `arms` are
-    actuators that need their own endstops, because no axis move moves one of them alone."""
+    degrees. `arms` are actuators that need their own endstops, because no axis move moves one of
+    them alone; they alone move the `axes_of_arms`. If it `lifts_together`, a Z move in the middle
+    moves all arms equally."""
 
     model_config = ConfigDict(
         extra="forbid", frozen=True, strict=True, allow_inf_nan=False, defer_build=True
@@ -31,6 +32,7 @@ class GeometryModel(BaseModel):
     rotary: ClassVar[tuple[str, ...]] = ()
     lifts_together: ClassVar[bool] = False
     arms: ClassVar[tuple[str, ...]] = ()
+    axes_of_arms: ClassVar[tuple[str, ...]] = ("x", "y")
 
     @property
     def square(self) -> Self:

@@ -28,6 +28,7 @@ class Delta(GeometryModel):
     actuators = ("a", "b", "c")
     lifts_together = True
     arms = ("a", "b", "c")
+    axes_of_arms = ("x", "y", "z")
     kind: Literal["delta"]
     """Carriages on three towers."""
     radius: Positive

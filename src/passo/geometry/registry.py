@@ -10,12 +10,13 @@ from pydantic import Field
 from passo.geometry.cartesian import Cartesian
 from passo.geometry.core_belts import CoreXY, CoreXZ, CoreYZ, HybridCoreXY, HybridCoreXZ
 from passo.geometry.delta import Delta
+from passo.geometry.deltesian import Deltesian
 from passo.geometry.dual_scara import DualScara
 from passo.geometry.rotary_delta import RotaryDelta
 from passo.geometry.scara import Scara
 
 _BELTS = (CoreXY, CoreXZ, CoreYZ, HybridCoreXY, HybridCoreXZ)
-GEOMETRIES = (Cartesian, *_BELTS, Delta, RotaryDelta, Scara, DualScara)
+GEOMETRIES = (Cartesian, *_BELTS, Delta, Deltesian, RotaryDelta, Scara, DualScara)
 
 AnyGeometry = Annotated[
     Cartesian
@@ -25,6 +26,7 @@ AnyGeometry = Annotated[
     | HybridCoreXY
     | HybridCoreXZ
     | Delta
+    | Deltesian
     | RotaryDelta
     | Scara
     | DualScara,

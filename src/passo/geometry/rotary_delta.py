@@ -19,6 +19,7 @@ class RotaryDelta(GeometryModel):
     rotary = ("a", "b", "c")
     lifts_together = True
     arms = ("a", "b", "c")
+    axes_of_arms = ("x", "y", "z")
     kind: Literal["rotary_delta"]
     """Three arms that turn down from the base, at 0°, +120° and −120° about Z."""
     effector_length: Positive = 30.0

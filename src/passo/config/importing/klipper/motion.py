@@ -7,6 +7,8 @@ import re
 from typing import TYPE_CHECKING
 
 from passo.config.importing.klipper.cfg import Section
+from passo.config.importing.klipper.deltesian import MOTORS as SIDES
+from passo.config.importing.klipper.deltesian import put_deltesian
 from passo.config.importing.klipper.drivers import put_driver
 from passo.config.importing.klipper.homing import put_homing
 from passo.config.importing.klipper.rotary_delta import ARMS, put_rotary_delta
@@ -31,7 +33,7 @@ _ACTUATORS = {  # Klipper's letter of a stepper: Passo's motor
 _LIMITED = {f"limited_{kind}": kind for kind in ("cartesian", "corexy", "corexz")}
 _MICROSTEPS = (1, 2, 4, 8, 16, 32, 64, 128, 256)  # of Passo; other drivers have others
 _COLDEST = ("limits", "min_extrude_c")
-_ROTARY = "rotary_delta"
+_ROTARY, _DELTESIAN = "rotary_delta", "deltesian"
 _WHOLE = {"full_steps_per_rotation": 200, "microsteps": 16}  # of a stepper, with usual values
 
 
@@ -40,20 +42,26 @@ def put_motion(job: Import) -> None:
     printer = job.required("printer")
     written = printer.text("kinematics")
     kind = _LIMITED.get(written, written)
-    if kind not in (*_ACTUATORS, _ROTARY):
+    if kind not in (known := (*_ACTUATORS, _ROTARY, _DELTESIAN)):
         place = printer.at("kinematics")
         raise ConfigError.of(
             "import.kinematics",
             place.file,
             place.line,
             value=kind[:40],
-            limit=", ".join((*_ACTUATORS, _ROTARY)),
+            limit=", ".join(known),
         )
     speed, accel = _positive(printer, "max_velocity"), _positive(printer, "max_accel")
     corner = max(printer.number("square_corner_velocity", 5.0) or 0.0, MIN_SPEED)
     job.draft.put(("geometry", "kind"), kind, printer.at("kinematics"))
-    if kind == _ROTARY:
-        z_speed = printer.number("max_z_velocity", speed) or speed
+    z_speed = printer.number("max_z_velocity", speed) or speed
+    if kind == _DELTESIAN:
+        put_deltesian(job, printer, (speed, z_speed, accel))
+        for side, motor in SIDES.items():
+            section = job.required(f"stepper_{side}")
+            put_stepper(job, section, motor, section)
+        _put_motors(job, job.required("stepper_y"), "y", "y")
+    elif kind == _ROTARY:
         put_rotary_delta(job, printer, (speed, z_speed, accel))
         for letter, (_, motor) in ARMS.items():
             _put_arm(job, job.required(f"stepper_{letter}"), motor)
