@@ -57,6 +57,14 @@ max_speed: 0.8
 [controller_fan case]
 pin: PB1
 idle_speed: 0.4
+[temperature_sensor warmest]
+sensor_type: temperature_combined
+sensor_list: temperature_sensor chamber, extruder
+combination_method: max
+maximum_deviation: 100
+[heater_fan shared]
+pin: PB13
+heater: extruder, heater_bed
 [temperature_sensor air]
 sensor_type: BME280
 i2c_bus: i2c1
@@ -95,6 +103,8 @@ def test_sensors_keep_kind_range_and_letter(made):
     assert (chamber.sensor_pin, chamber.min_c, chamber.max_c) == ("PC1", 0.0, 90.0)
     assert (chamber.letter, chamber.on_fault) == ("C", "machine")
     assert [s.sensor.kind for s in (chamber, pi, mcu)] == ["thermistor", "host", "chip"]
+    warmest = made[1].sensors["warmest"].sensor
+    assert (warmest.kind, warmest.of, warmest.by) == ("combined", ["chamber", "hotend"], "max")
     assert (pi.on_fault, mcu.on_fault, mcu.max_c) == ("report", "machine", 100.0)
     assert (pi.letter, mcu.letter) == (None, None)
     assert "it belongs to chamber" in "\n".join(remarks(made[0], "dropped"))
@@ -107,6 +117,8 @@ def test_fans_keep_what_they_follow(made):
     assert (kept.sensor, kept.target_c, kept.kp, kept.ki, kept.kd) == ("cpu", 55.0, 40.0, 0.5, 2.0)
     assert (kept.min_power, cpu.max_power) == (0.3, 0.8)
     assert made[1].sensors["cpu"].sensor.kind == "chip"
+    shared = made[1].fans["shared"]
+    assert (shared.follows, shared.follows_heaters) == ("hotend", ["bed"])
     assert (case.follows_targets, case.idle_power, case.stays_on_s) == (["hotend"], 0.4, 30.0)
 
 
@@ -125,6 +137,9 @@ def test_clients_see_the_sections_of_outputs_and_sensors(made):
     assert settings["static_digital_output levels_2"]["pins"] == ("!PC11",)
     assert settings["temperature_sensor mcu"]["sensor_type"] == "temperature_mcu"
     assert settings["temperature_sensor chamber"]["gcode_id"] == "C"
+    text = exported(made[1]).text("")
+    assert "sensor_list: temperature_sensor chamber, extruder\ncombination_method: max" in text
+    assert "[heater_fan shared]\nheater: extruder, heater_bed\n" in text
 
 
 JOINED = """

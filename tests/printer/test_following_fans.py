@@ -153,3 +153,15 @@ def test_a_motor_that_is_not_there_is_named():
         machine(FAN.replace('"e"', '"f"'))
     assert "fans.case.follows_motors" in str(raised.value)
     assert "e, x, y, z" in str(raised.value)
+
+
+def test_fan_of_several_heaters_is_on_while_one_is_warm():
+    text = FAN.replace(
+        'follows_motors = ["z", "e"]', 'follows = "hotend"\nfollows_heaters = ["bed"]'
+    )
+    with Scenario(machine(text)) as s:
+        s.passes(2)
+        assert not on(s)
+        s.host.ok("M140 S60")
+        assert s.until(lambda: on(s), 300)
+        assert 50 < s.printer.rig.connection.heaters["bed"].celsius < 51

@@ -168,3 +168,23 @@ max_c = 60.0
     text = shipped_text("i3").replace("[fans.part]", f"{heater}{SENSORS}[fans.part]")
     with pytest.raises(ConfigError, match="it belongs to the chamber"):
         config.load_text(text)
+
+
+@pytest.mark.parametrize(("by", "celsius"), [("mean", 28.0), ("min", 25.0), ("max", 31.0)])
+def test_combined_sensor_follows_heaters_and_sensors(by: str, celsius: float):
+    both = (
+        f'[sensors.both]\nsensor = {{ kind = "combined", of = ["Chamber", "bed"], by = "{by}" }}\n'
+    )
+    text = shipped_text("i3").replace("[fans.part]", f"{SENSORS}{both}[fans.part]")
+    with Scenario(config.load_text(text)) as s:
+        assert s.until(lambda: seen(s, "both").celsius is not None, 3)
+        assert seen(s, "both").celsius == pytest.approx(celsius, abs=0.5)
+        s.board.force_sensor("Chamber", 1.0)
+        assert s.until(lambda: seen(s, "both").celsius is None, 5)
+
+
+def test_combined_sensor_of_an_unknown_part_is_refused():
+    wrong = '[sensors.both]\nsensor = { kind = "combined", of = ["Chambre"] }\n'
+    with pytest.raises(ConfigError) as caught:
+        config.load_text(shipped_text("i3").replace("[fans.part]", f"{SENSORS}{wrong}[fans.part]"))
+    assert any("Did you mean 'Chamber'" in str(one) for one in caught.value.problems)

@@ -50,8 +50,10 @@ class Fan(Model):
     """A rise of power by more than this starts the fan with `max_power`, too."""
     follows: PartName | None = None
     """The heater that switches this fan on. Commands do not control such a fan."""
+    follows_heaters: list[PartName] = []
+    """Further heaters that switch this fan on, as the one that it `follows`."""
     above_c: Annotated[float, Field(ge=0, le=1200)] = 50.0
-    """The fan is on while the heater that it follows is warmer than this."""
+    """The fan is on while a heater that it follows is warmer than this."""
     follows_motors: list[Name] = []
     """The fan is on while any of these motors is on. Commands do not control such a fan."""
     stays_on_s: Annotated[float, Field(ge=0, le=3600)] = 60.0
@@ -69,8 +71,13 @@ class Fan(Model):
     @property
     def commanded(self) -> bool:
         """Whether M106 and M107 set this fan."""
-        led = self.follows is not None or self.follows_motors or self.follows_targets
+        led = self.warmed_by or self.follows_motors or self.follows_targets
         return not led and self.thermostat is None
+
+    @property
+    def warmed_by(self) -> list[str]:
+        """The heaters that switch this fan on while they are warm."""
+        return [*([] if self.follows is None else [self.follows]), *self.follows_heaters]
 
 
 class Laser(Model):

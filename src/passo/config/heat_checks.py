@@ -10,7 +10,7 @@ from passo.config.chip_sensors import chip_sensor_table
 from passo.config.findings import Finding, array, did_you_mean, number, table, tables
 from passo.config.pin_names import MAIN, placed, section
 from passo.config.sensor_tables import reads_within, sensor_table
-from passo.config.shown_sensors import ChipSensor, HostSensor
+from passo.config.shown_sensors import ChipSensor, CombinedSensor, HostSensor
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -62,6 +62,10 @@ def check_fans(data: Raw) -> Iterator[Finding]:
         if isinstance(heater, str) and heater not in heaters:
             hint, limit = did_you_mean(heater, heaters), "the name of one of the heaters"
             yield Finding("config.value", (*path, "follows"), heater, limit, hint)
+        for one in array(fan, "follows_heaters"):
+            if isinstance(one, str) and one not in heaters:
+                hint, limit = did_you_mean(one, heaters), "names of heaters"
+                yield Finding("config.value", (*path, "follows_heaters"), one, limit, hint)
         motors = array(fan, "follows_motors")
         for motor in motors:
             if isinstance(motor, str) and motor not in steppers:
@@ -124,7 +128,7 @@ def check_sensors(machine: MachineConfig) -> Iterator[Finding]:
             path = ("heaters", name, "max_c")
             yield Finding("config.value", path, heater.max_c, limit, nearest=most)
     for name, shown in machine.sensors.items():
-        if isinstance(shown.sensor, HostSensor):
+        if isinstance(shown.sensor, HostSensor | CombinedSensor):
             continue
         if isinstance(shown.sensor, ChipSensor):
             mcu = machine.all_boards[shown.sensor.board or MAIN].mcu

@@ -38,7 +38,7 @@ def fan_object(machine: MachineConfig, name: str) -> str:
     """Klipper's name for a fan. The kind is that of a fan for P0 of M106, of one that follows a
     heater, of one that follows motors, or of any other."""
     part = machine.fans[name]
-    if part.follows is not None:
+    if part.warmed_by:
         return f"heater_fan {name}"
     if part.thermostat is not None:
         return f"temperature_fan {name}"

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from passo.config.findings import Finding, did_you_mean, number, table, tables
+from passo.config.findings import Finding, array, did_you_mean, number, table, tables
 
 Raw = Mapping[str, Any]
 
-_NO_PIN = ("host", "chip")  # sensors that need no pin
+_NO_PIN = ("host", "chip", "combined")  # sensors that need no pin
 
 
 def check_outputs(data: Raw) -> Iterator[Finding]:
@@ -55,6 +55,12 @@ def check_shown_sensors(data: Raw) -> Iterator[Finding]:
         if isinstance(board, str) and board not in table(data, "boards"):
             hint, limit = did_you_mean(board, table(data, "boards")), "the name of a further board"
             yield Finding("config.value", (*path, "sensor", "board"), board, limit, hint)
+        for index, one in enumerate(array(sensor, "of") if kind == "combined" else ()):
+            of = table(table(data, "sensors"), str(one), "sensor").get("kind")
+            if one not in (*table(data, "heaters"), *table(data, "sensors")) or of == "combined":
+                limit = "the name of a heater, or of a sensor that is not combined"
+                hint = did_you_mean(one, (*table(data, "heaters"), *table(data, "sensors")))
+                yield Finding("config.value", (*path, "sensor", "of", index), one, limit, hint)
         low, high = number(shown, "min_c"), number(shown, "max_c")
         if low is not None and high is not None and high <= low:
             yield Finding("config.value", (*path, "max_c"), high, "a temperature above min_c")

@@ -17,7 +17,7 @@ KINDS: tuple[str, ...] = tuple(
     for model in get_args(get_args(AnySensor)[0])
     for kind in get_args(model.model_fields["kind"].annotation)
 )
-SHOWN_KINDS = ("host", "chip")  # of sensors without a heater
+SHOWN_KINDS = ("host", "chip", "combined")  # of sensors without a heater
 _MAX_NEAR = 6
 
 

@@ -31,12 +31,24 @@ class ChipSensor(Model):
     """The board. If not given, the main one."""
 
 
+class CombinedSensor(Model):
+    """A temperature that follows from others, which heaters or `sensors` have. It is unknown while
+    one of them is unknown or broken."""
+
+    kind: Literal["combined"]
+    """A temperature that follows from others."""
+    of: Annotated[list[PartName], Field(min_length=1, max_length=20)]
+    """The names of heaters and of other `sensors`."""
+    by: Literal["mean", "min", "max"] = "mean"
+    """Whether it is the mean, the lowest or the highest of them."""
+
+
 class ShownSensor(Model):
     """A temperature sensor without a heater."""
 
-    sensor: Annotated[AnySensor | HostSensor | ChipSensor, Field(discriminator="kind")] = Field(
-        default_factory=Thermistor
-    )
+    sensor: Annotated[
+        AnySensor | HostSensor | ChipSensor | CombinedSensor, Field(discriminator="kind")
+    ] = Field(default_factory=Thermistor)
     """The sensor: a [name](sensors.md), `"host"`, `"chip"`, or a table. If not given, a thermistor
     of 100 kΩ."""
     sensor_pin: Pin | None = None
@@ -55,8 +67,9 @@ class ShownSensor(Model):
 
     @property
     def on_board(self) -> bool:
-        """Whether a board reads the sensor, not this computer."""
-        return not isinstance(self.sensor, HostSensor)
+        """Whether a board reads the sensor: it is not one of this computer, nor follows from
+        others."""
+        return not isinstance(self.sensor, HostSensor | CombinedSensor)
 
 
 ShownSensors = dict[PartName, ShownSensor]

@@ -40,6 +40,10 @@ _declare(
     ("G12", "Passo has no nozzle wiper."),
     ("SET_SERVO", "The servo of a probe moves with it; Passo has no other servo."),
     ("SET_LED SET_LED_TEMPLATE", "Passo has no light."),
+    (
+        "RUN_SHELL_COMMAND",
+        "Passo starts no program of the computer; a program can call it, by the web API.",
+    ),
     ("SET_DISPLAY_GROUP", "Passo has no display yet."),
     ("MANUAL_STEPPER", "Passo has no motors beside axes and extruders."),
     ("BED_MESH_OFFSET", "The correction of the bed follows the nozzle of the tool in use (M218)."),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import exp, log
 from typing import TYPE_CHECKING, Any
 
-from passo.config.klipper_names import fan_object, heater_object
+from passo.config.klipper_names import fan_object, heater_object, temperature_object
 from passo.config.sensors import (
     Converter,
     Platinum,
@@ -13,7 +13,7 @@ from passo.config.sensors import (
     Thermistor,
     ThermocoupleAmplifier,
 )
-from passo.config.shown_sensors import ChipSensor, HostSensor
+from passo.config.shown_sensors import ChipSensor, CombinedSensor, HostSensor
 from passo.config.thermistor import ZERO_C
 
 if TYPE_CHECKING:
@@ -123,6 +123,16 @@ def put_shown_sensor(cfg: Cfg, name: str, section: str) -> None:
     sensor = shown.sensor
     if isinstance(sensor, HostSensor):
         cfg.put(section, sensor_type="temperature_host")
+    elif isinstance(sensor, CombinedSensor):
+        machine = cfg.machine
+        names = [
+            heater_object(machine, one)
+            if one in machine.heaters
+            else temperature_object(machine, one)
+            for one in sensor.of
+        ]
+        cfg.put(section, sensor_type="temperature_combined", sensor_list=", ".join(names))
+        cfg.put(section, combination_method=sensor.by, maximum_deviation=999.9)
     elif isinstance(sensor, ChipSensor):
         cfg.put(section, sensor_type="temperature_mcu", sensor_mcu=sensor.board or None)
     else:
@@ -144,16 +154,22 @@ def _put_thermostat(cfg: Cfg, section: str, kept: Thermostat) -> None:
         cfg.put(section, control="pid", pid_Kp=kept.kp, pid_Ki=kept.ki, pid_Kd=kept.kd)
 
 
+def _plain(heater: str) -> str:
+    """The name of a heater in a list of heaters."""
+    return heater.removeprefix("heater_generic ")
+
+
 def _put_fans(cfg: Cfg, heaters: dict[str, str]) -> None:
     for name, fan in cfg.machine.fans.items():
         section = fan_object(cfg.machine, name)
         moved = fan.follows_motors
-        if fan.follows:
-            cfg.put(section, heater=heaters[fan.follows], heater_temp=fan.above_c)
+        if fan.warmed_by:
+            followed = ", ".join(_plain(heaters[one]) for one in fan.warmed_by)
+            cfg.put(section, heater=followed, heater_temp=fan.above_c)
         elif (kept := fan.thermostat) is not None:
             _put_thermostat(cfg, section, kept)
         elif moved or fan.follows_targets:
-            named = (heaters[one].removeprefix("heater_generic ") for one in fan.follows_targets)
+            named = (_plain(heaters[one]) for one in fan.follows_targets)
             cfg.put(section, heater=", ".join(named) or None, idle_speed=fan.idle_power)
             own = ", ".join(cfg.motors[motor] for motor in moved if motor in cfg.motors)
             cfg.put(section, stepper=own, idle_timeout=int(fan.stays_on_s))

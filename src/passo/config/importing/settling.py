@@ -35,7 +35,15 @@ _PARTS = (
     _Part(("heaters", _ANY), ("kind", "pin", "sensor_pin", "sensor", "min_c", "max_c")),
     _Part(
         ("fans", _ANY),
-        ("pin", "follows", "follows_motors", "follows_targets", "thermostat", "number"),
+        (
+            "pin",
+            "follows",
+            "follows_heaters",
+            "follows_motors",
+            "follows_targets",
+            "thermostat",
+            "number",
+        ),
     ),
     _Part(("filament_sensors", _ANY), ("pin", "kind", "extruder")),
     _Part(("buttons", _ANY), ("pin",)),

@@ -14,7 +14,7 @@ from passo.config.sensor_tables import (
     sensor_table,
     share_at,
 )
-from passo.config.shown_sensors import ChipSensor, HostSensor
+from passo.config.shown_sensors import ChipSensor, CombinedSensor, HostSensor
 from passo.printer.setup.drivers import converter_wires
 
 if TYPE_CHECKING:
@@ -41,7 +41,9 @@ def shown_sensors(machine: MachineConfig, board: str) -> Iterator[Sensor]:
             table = chip_sensor_table(machine.all_boards[board].mcu)
             if (sensor.board or MAIN) == board and table is not None:
                 yield Sensor(name, PIN, table, of_chip=True)
-        elif not isinstance(sensor, HostSensor) and pin and placed(pin)[0] == board:
+        elif (
+            not isinstance(sensor, HostSensor | CombinedSensor) and pin and placed(pin)[0] == board
+        ):
             yield _sensor(machine, name, sensor, pin, (0.0, 1.0))
 
 

@@ -74,11 +74,9 @@ class AutomaticFans:
         return self._works(name, fan)
 
     def _warm(self, fan: Fan, was_on: bool) -> bool:
-        if fan.follows is None:
-            return False
-        heater = self._rig.connection.heaters[fan.follows]
+        heaters = [self._rig.connection.heaters[name] for name in fan.warmed_by]
         threshold = fan.above_c - _STAYS_C if was_on else fan.above_c
-        return heater.celsius > threshold or heater.fault is not None
+        return any(one.celsius > threshold or one.fault is not None for one in heaters)
 
     def _works(self, name: str, fan: Fan) -> float:
         """The power of a fan that follows motors, or targets of heaters."""

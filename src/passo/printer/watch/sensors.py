@@ -7,10 +7,11 @@ import logging
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import fmean
 from typing import TYPE_CHECKING, Literal
 
 from passo.board.reading import Reading
-from passo.config.shown_sensors import HostSensor
+from passo.config.shown_sensors import CombinedSensor, HostSensor
 from passo.errors import MachineError, Problem
 from passo.printer.status import SensorStatus
 
@@ -86,9 +87,24 @@ class SensorWatch:
             if isinstance(shown.sensor, HostSensor):
                 if host:
                     seen.reading = _of_host(shown.sensor)
+            elif isinstance(shown.sensor, CombinedSensor):
+                seen.reading = self._combined(shown.sensor)
             else:
                 seen.reading, broken = self._rig.connection.sensor(name, self._rig.queue.board_now)
             self._take(name, shown, seen, broken, now_s)
+
+    def _combined(self, sensor: CombinedSensor) -> Reading:
+        """The temperature that follows from others; unknown while one of them is."""
+        connection, found = self._rig.connection, list[float]()
+        for name in sensor.of:
+            if name in self._sensors:
+                celsius = self.celsius(name)
+            else:
+                celsius = connection.reading(name, self._rig.queue.board_now).current_c
+            if celsius is None:
+                return Reading(None)
+            found.append(celsius)
+        return Reading({"mean": fmean, "min": min, "max": max}[sensor.by](found))
 
     def _take(
         self,

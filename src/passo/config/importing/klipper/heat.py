@@ -194,9 +194,8 @@ def _put_fan(job: Import, section: Section, path: KeyPath) -> None:
         heaters = [h.strip() for h in section.text("heater", "extruder").split(",")]
         follows = job.heater(section, "heater", heaters[0])
         job.put_value((*path, "follows"), section, "heater", follows)
-        if heaters[1:]:
-            text = f"a fan follows one heater: it follows {heaters[0]} alone"
-            job.draft.changed(section.at("heater"), f"[{section.name}] heater", text)
+        also: list[Value] = [job.heater(section, "heater", one) for one in heaters[1:]]
+        job.put_value((*path, "follows_heaters"), section, "heater", also or None)
     elif kind == "controller_fan":
         given = [s.strip() for s in section.text("stepper").split(",") if s.strip()]
         motors = [job.motor(section, one) for one in given] or job.motors

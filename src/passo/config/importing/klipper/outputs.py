@@ -21,6 +21,7 @@ _USES = {
     "camera": re.compile(r"camera|shutter", re.IGNORECASE),
 }
 _BEEPER, _BEEPER_PIN = re.compile(r"beep|buzz", re.IGNORECASE), ("beeper", "pin")
+_COMBINED = "temperature_combined"
 _HOST, _CHIP = "temperature_host", "temperature_mcu"
 # A sensor with limits within these halts the printer, as in Klipper; wider limits are none.
 _NO_LOW_C, _NO_HIGH_C = -100.0, 200.0
@@ -138,6 +139,11 @@ def _put_shown(job: Import, section: Section, name: str) -> None:
         board = job.pins.further.get(section.text("sensor_mcu", "mcu"))
         keys = {"kind": "chip"} | ({"board": board} if board else {})
         section.used.update(_CALIBRATION)
+    elif kind == _COMBINED:
+        by = section.text("combination_method").lower()
+        names = [name.strip() for name in section.text("sensor_list").split(",") if name.strip()]
+        keys = {"kind": "combined", "of": [_named(job, section, one) for one in names]}
+        keys |= {"by": by} if by in ("min", "max") else {}
     if keys.keys() == {"kind"}:
         put((*path, "sensor"), keys["kind"], place)
     elif keys:
@@ -162,6 +168,16 @@ def _put_shown(job: Import, section: Section, name: str) -> None:
         job.draft.changed(
             section.at("gcode_id") or section.place, f"[{section.name}] gcode_id", text
         )
+
+
+def _named(job: Import, section: Section, written: str) -> str:
+    """The heater or the sensor of Klipper's name for it. Raises ConfigError."""
+    if written in job.heaters:
+        return job.heaters[written]
+    kind, _, name = written.rpartition(" ")
+    if kind not in ("", "temperature_sensor", "temperature_fan"):
+        raise section.wrong("sensor_list", "heaters and temperature sensors", written)
+    return part_name(name)
 
 
 def _leave_out(job: Import, section: Section) -> None:
