@@ -207,8 +207,5 @@ class Engine:
         return {}
 
     async def _query_endstops(self, _: Connection, __: Arguments) -> _Result:
-        states = await self._bridge.endstops()
-        self._objects.endstops = {
-            name: "TRIGGERED" if pressed else "open" for name, pressed in states.items()
-        }
-        return self._objects.endstops
+        states = self._objects.endstops = await self._bridge.endstops()
+        return {name: "TRIGGERED" if pressed else "open" for name, pressed in states.items()}

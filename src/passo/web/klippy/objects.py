@@ -21,11 +21,12 @@ _MEMORY = Path("/proc/meminfo")
 
 
 class PrinterObjects:
-    """The objects of one printer. `endstops` has the states of the last query."""
+    """The objects of one printer. `endstops` has the states of the last query, True if
+    triggered."""
 
     def __init__(self, bridge: Bridge) -> None:
         self._bridge, self._sections = bridge, Sections(bridge.machine)
-        self.endstops: dict[str, str] = {}
+        self.endstops: dict[str, bool] = {}
 
     @property
     def names(self) -> list[str]:
@@ -52,7 +53,8 @@ class PrinterObjects:
     def _of_socket(self) -> dict[str, Any]:
         return {
             "gcode": self._gcode,
-            "query_endstops": lambda: {"last_query": self.endstops},
+            # Numbers, as in Klipper: clients take any text for a triggered endstop.
+            "query_endstops": lambda: {"last_query": {n: int(p) for n, p in self.endstops.items()}},
             "system_stats": _system_stats,
         }
 
