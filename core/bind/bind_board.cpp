@@ -103,6 +103,27 @@ void set_fault(Bench& b, uint32_t sensor_pin, Value value) {
   body_of(b, sensor_pin).*Member = value;
 }
 
+FanRotor& rotor_of(Bench& b, uint32_t tacho_pin) {
+  b.plant().run_until(b.now());
+  for (FanRotor& rotor : b.plant().rotors)
+    if (rotor.tacho_pin == tacho_pin) return rotor;
+  throw nb::key_error("no fan has this tachometer");
+}
+
+LightChain& lights_of(Bench& b, uint32_t pin) {
+  for (LightChain& chain : b.plant().lights)
+    if (chain.pin == pin) return chain;
+  throw nb::key_error("no chain of lights has this pin");
+}
+
+std::vector<std::pair<Ticks, nb::bytes>> frames_of(LightChain& chain) {
+  std::vector<std::pair<Ticks, nb::bytes>> frames;
+  for (const auto& [clock, data] : chain.frames)
+    frames.emplace_back(clock, to_bytes(data.data(), data.size()));
+  chain.frames.clear();
+  return frames;
+}
+
 }  // namespace
 
 void bind_board(nb::module_& m) {
@@ -306,6 +327,54 @@ void bind_board(nb::module_& m) {
           "temperature",
           [](Bench& b, uint32_t sensor_pin) { return body_of(b, sensor_pin).body_c; },
           "sensor_pin"_a)
+      .def(
+          "add_rotor",
+          [](Bench& b, uint32_t fan_pin, uint32_t tacho_pin, double full_hz, double time_constant_s,
+             double pulses) {
+            b.plant().add_rotor({fan_pin, tacho_pin, full_hz, time_constant_s, pulses});
+          },
+          "fan_pin"_a, "tacho_pin"_a, "full_hz"_a, "time_constant_s"_a, "pulses"_a,
+          "Adds a fan with a tachometer: revolutions a second at full power, and pulses in a "
+          "revolution.")
+      .def(
+          "force_rotor",
+          [](Bench& b, uint32_t tacho_pin, bool stalled, bool silent) {
+            FanRotor& rotor = rotor_of(b, tacho_pin);
+            rotor.stalled = stalled;
+            rotor.silent = silent;
+          },
+          "tacho_pin"_a, "stalled"_a, "silent"_a,
+          "Faults: the rotor does not turn; the tachometer gives no pulses.")
+      .def(
+          "rotor_hz", [](Bench& b, uint32_t tacho_pin) { return rotor_of(b, tacho_pin).hz; },
+          "tacho_pin"_a, "Revolutions a second.")
+      .def(
+          "add_lights",
+          [](Bench& b, uint32_t pin, int64_t clock_pin, size_t count) {
+            LightChain chain;
+            chain.pin = pin;
+            chain.clock_pin = clock_pin;
+            chain.clocked = count;
+            b.plant().lights.push_back(std::move(chain));
+          },
+          "pin"_a, "clock_pin"_a = -1, "count"_a = 0,
+          "Adds a chain of lights on this data pin; one with a clock has so many LEDs.")
+      .def(
+          "lights",
+          [](Bench& b, uint32_t pin) {
+            const Bytes& shown = lights_of(b, pin).shown;
+            return to_bytes(shown.data(), shown.size());
+          },
+          "pin"_a, "The bytes that a chain shows; none before its first frame.")
+      .def(
+          "trace_lights", [](Bench& b, uint32_t pin) { lights_of(b, pin).tracing = true; }, "pin"_a)
+      .def(
+          "take_lights", [](Bench& b, uint32_t pin) { return frames_of(lights_of(b, pin)); },
+          "pin"_a, "The frames since the last call: clock and bytes.")
+      .def(
+          "fail_lights",
+          [](Bench& b, uint32_t pin, uint32_t frames) { lights_of(b, pin).failures = frames; },
+          "pin"_a, "frames"_a, "A fault: so many of the next frames are late.")
       .def("net_steps", &Bench::net_steps, "step_pin"_a)
       .def("steps", &Bench::steps, "step_pin"_a)
       .def("position", &Bench::position, "step_pin"_a)

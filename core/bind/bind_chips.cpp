@@ -176,6 +176,10 @@ void bind_chips(nb::module_& m) {
       },
       "bench"_a, "select_pin"_a, "clock_pin"_a, "to_device"_a, "from_device"_a, "kind"_a,
       "clock_hz"_a, "Connects an accelerometer, which lies still, to the SPI bus on these pins.");
+  nb::class_<LedChip>(m, "LedChip", "A simulated chip that sets LEDs.")
+      .def(
+          "register", [](const LedChip& chip, size_t at) { return chip.registers.at(at); }, "at"_a,
+          "The value of one of its 16 registers.");
   m.def(
       "add_i2c_accelerometer",
       [](Bench& bench, uint32_t clock_pin, uint32_t data_pin, uint8_t address,
@@ -187,4 +191,17 @@ void bind_chips(nb::module_& m) {
       },
       "bench"_a, "clock_pin"_a, "data_pin"_a, "address"_a, "kind"_a, "clock_hz"_a,
       "Connects an accelerometer, which lies still, to the I2C bus on these pins.");
+  m.def(
+      "add_led_chip",
+      [](Bench& bench, uint32_t clock_pin, uint32_t data_pin, uint8_t address) {
+        auto chip = std::make_shared<LedChip>();
+        bench.plant().i2c_devices.emplace_back(
+            I2cPins{clock_pin, data_pin}, address,
+            I2cChip{[chip](bool) { return chip->begin(); },
+                    [chip](uint8_t byte, Ticks) { return chip->take(byte); },
+                    [](Ticks) { return uint8_t(0); }});
+        return chip;
+      },
+      "bench"_a, "clock_pin"_a, "data_pin"_a, "address"_a,
+      "Connects a chip that sets LEDs to the I2C bus on these pins.");
 }

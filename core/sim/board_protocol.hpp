@@ -38,6 +38,8 @@ enum class Command : int32_t {
   buttons_add,
   buttons_query,
   buttons_ack,
+  config_counter,
+  query_counter,
   config_analog_in,
   query_analog_in,
   config_digital_out,
@@ -48,6 +50,7 @@ enum class Command : int32_t {
   config_tmcuart,
   tmcuart_send,
   config_spi,
+  config_spi_without_cs,
   spi_set_sw_bus,
   spi_transfer,
   spi_send,
@@ -62,6 +65,9 @@ enum class Command : int32_t {
   config_i2c,
   i2c_set_sw_bus,
   i2c_transfer,
+  config_neopixel,
+  neopixel_update,
+  neopixel_send,
   end_
 };
 enum class Report : int32_t {
@@ -84,6 +90,8 @@ enum class Report : int32_t {
   sensor_bulk_data,
   sensor_bulk_status,
   i2c_response,
+  counter_state,
+  neopixel_result,
 };
 
 struct Declaration {
@@ -144,6 +152,7 @@ inline constexpr Declaration kCommands[] = {
      "config_tmcuart oid=%c rx_pin=%u pull_up=%c tx_pin=%u bit_time=%u"},
     {int(Command::tmcuart_send), "tmcuart_send oid=%c write=%*s read=%c"},
     {int(Command::config_spi), "config_spi oid=%c pin=%u cs_active_high=%c"},
+    {int(Command::config_spi_without_cs), "config_spi_without_cs oid=%c"},
     {int(Command::spi_set_sw_bus),
      "spi_set_sw_bus oid=%c miso_pin=%u mosi_pin=%u sclk_pin=%u mode=%u pulse_ticks=%u"},
     {int(Command::spi_transfer), "spi_transfer oid=%c data=%*s"},
@@ -164,6 +173,12 @@ inline constexpr Declaration kCommands[] = {
     {int(Command::i2c_set_sw_bus),
      "i2c_set_sw_bus oid=%c scl_pin=%u sda_pin=%u pulse_ticks=%u address=%u"},
     {int(Command::i2c_transfer), "i2c_transfer oid=%c write=%*s read_len=%u"},
+    {int(Command::config_counter), "config_counter oid=%c pin=%u pull_up=%c"},
+    {int(Command::query_counter), "query_counter oid=%c clock=%u poll_ticks=%u sample_ticks=%u"},
+    {int(Command::config_neopixel),
+     "config_neopixel oid=%c pin=%u data_size=%hu bit_max_ticks=%u reset_min_ticks=%u"},
+    {int(Command::neopixel_update), "neopixel_update oid=%c pos=%hu data=%*s"},
+    {int(Command::neopixel_send), "neopixel_send oid=%c"},
 };
 
 inline constexpr Declaration kReports[] = {
@@ -189,6 +204,8 @@ inline constexpr Declaration kReports[] = {
      "sensor_bulk_status oid=%c clock=%u query_ticks=%u next_sequence=%hu buffered=%u"
      " possible_overflows=%hu"},
     {int(Report::i2c_response), "i2c_response oid=%c i2c_bus_status=%c response=%*s"},
+    {int(Report::counter_state), "counter_state oid=%c next_clock=%u count=%u count_clock=%u"},
+    {int(Report::neopixel_result), "neopixel_result oid=%c success=%c"},
 };
 
 // Reasons for a shutdown. The number is sent as static_string_id.
@@ -220,6 +237,8 @@ enum class Fault : uint16_t {
   i2c_too_long,
   too_many_buttons,
   no_such_button,
+  neopixel_size,
+  neopixel_update,
 };
 inline constexpr const char* kFaults[] = {
     "",
@@ -249,8 +268,10 @@ inline constexpr const char* kFaults[] = {
     "I2C data too large",
     "Max of 8 buttons",
     "Set button past maximum button count",
+    "Invalid neopixel data_size",
+    "Invalid neopixel update command",
 };
-static_assert(std::size(kFaults) == size_t(Fault::no_such_button) + 1);
+static_assert(std::size(kFaults) == size_t(Fault::neopixel_update) + 1);
 
 // Thrown by parts of the board. The board then stops all motion and outputs.
 struct Shutdown {

@@ -46,7 +46,11 @@ Bytes BoardUart::take() {
 
 Bytes BoardSpi::transfer(Ticks now, const Bytes& data, Plant& plant) const {
   if (!has_bus) throw Shutdown{Fault::spi_without_bus};
-  SpiDevice* device = plant.spi_device(select_pin);
+  if (!select_pin) {
+    plant.clock_lights(to_device, clock, data, now);
+    return Bytes(data.size(), 0xff);
+  }
+  SpiDevice* device = plant.spi_device(*select_pin);
   return device ? device->exchange(data, now) : Bytes(data.size(), 0xff);
 }
 
@@ -124,6 +128,7 @@ std::optional<size_t> BoardAccelerometer::lis_waiting(uint8_t state) {
 std::optional<SerialParts::Part> SerialParts::made(Command id, const uint32_t* a) {
   if (id == Command::config_tmcuart) return BoardUart(a[1], a[4]);
   if (id == Command::config_spi) return BoardSpi(a[1]);
+  if (id == Command::config_spi_without_cs) return BoardSpi(std::nullopt);
   if (id == Command::config_thermocouple) {
     get<BoardSpi>(a[1]);
     return BoardThermocouple(a[1], a[2]);
@@ -140,6 +145,10 @@ std::optional<SerialParts::Part> SerialParts::made(Command id, const uint32_t* a
     else
       get<BoardI2c>(a[1]);
     return BoardAccelerometer(a[1], true, a[2] != 0);
+  }
+  if (id == Command::config_neopixel) {
+    if (a[2] > BoardLights::kMax) throw Shutdown{Fault::neopixel_size};
+    return BoardLights(a[1], a[2]);
   }
   return {};
 }
@@ -206,9 +215,13 @@ void SerialParts::command(Command id, const uint32_t* a, const Bytes& data, Tick
     case Command::tmcuart_send:
       get<BoardUart>(a[0]).send(now, Ticks(kUartRest * clock_hz_), data, a[2], plant_);
       break;
-    case Command::spi_set_sw_bus:
-      get<BoardSpi>(a[0]).has_bus = true;
+    case Command::spi_set_sw_bus: {
+      auto& it = get<BoardSpi>(a[0]);
+      it.has_bus = true;
+      it.to_device = a[2];
+      it.clock = a[3];
       break;
+    }
     case Command::spi_transfer: {
       Bytes response = get<BoardSpi>(a[0]).transfer(now, data, plant_);
       tell_(Report::spi_transfer_response, {a[0]}, &response);
@@ -230,6 +243,17 @@ void SerialParts::command(Command id, const uint32_t* a, const Bytes& data, Tick
       I2cStatus status = get<BoardI2c>(a[0]).transfer(now, data, in, plant_);
       in.resize(std::min(in.size(), kPayloadMax - kI2cHead));
       tell_(Report::i2c_response, {a[0], uint32_t(status)}, &in);
+      break;
+    }
+    case Command::neopixel_update: {
+      Bytes& kept = get<BoardLights>(a[0]).data;
+      if (a[1] + data.size() > kept.size()) throw Shutdown{Fault::neopixel_update};
+      std::copy(data.begin(), data.end(), kept.begin() + long(a[1]));
+      break;
+    }
+    case Command::neopixel_send: {
+      const auto& it = get<BoardLights>(a[0]);
+      tell_(Report::neopixel_result, {a[0], plant_.show_lights(it.pin, it.data, now)}, nullptr);
       break;
     }
     case Command::query_adxl345:

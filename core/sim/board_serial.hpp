@@ -1,5 +1,5 @@
-// Serial devices of the virtual board: UARTs of motor drivers, SPI and I2C devices, converters and
-// accelerometers. They exchange whole datagrams.
+// Serial devices of the virtual board: UARTs of motor drivers, SPI and I2C devices, converters,
+// accelerometers and lights. They exchange whole datagrams.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -35,12 +35,13 @@ class BoardUart {
   Bytes answer_;
 };
 
-// An SPI device with a select pin.
+// An SPI device with a select pin, or one that is always selected.
 struct BoardSpi {
-  uint32_t select_pin;
+  std::optional<uint32_t> select_pin;
   bool has_bus = false;
+  uint32_t to_device = 0, clock = 0;
 
-  explicit BoardSpi(uint32_t pin) : select_pin(pin) {}
+  explicit BoardSpi(std::optional<uint32_t> pin) : select_pin(pin) {}
   static Ticks next() { return kNever; }
   Bytes transfer(Ticks now, const Bytes& data, Plant& plant) const;
 };
@@ -109,10 +110,21 @@ struct BoardAccelerometer {
   static constexpr size_t kBlockBytes = 51;
 };
 
+// A chain of lights, whose bytes the host changes before they are sent.
+struct BoardLights {
+  static constexpr size_t kMax = 500;
+  uint32_t pin;
+  Bytes data;
+
+  BoardLights(uint32_t pin_, size_t size) : pin(pin_), data(size) {}
+  static Ticks next() { return kNever; }
+};
+
 // All serial devices of one board, by their oid.
 class SerialParts {
  public:
-  using Part = std::variant<BoardUart, BoardSpi, BoardI2c, BoardThermocouple, BoardAccelerometer>;
+  using Part = std::variant<BoardUart, BoardSpi, BoardI2c, BoardThermocouple, BoardAccelerometer,
+                            BoardLights>;
   using Tell = std::function<void(Report, std::initializer_list<uint32_t>, const Bytes*)>;
 
   SerialParts(Plant& plant, double clock_hz, Tell tell)

@@ -76,7 +76,7 @@ FirmwareBoard::FirmwareBoard(const std::string& library, Options options)
       firmware_(library) {
   host_options host{options_.clock_hz, options_.move_count, options_.identify.data(),
                     uint16_t(options_.identify.size()), options_.start};
-  host_surroundings surroundings{this, on_edge, on_output, on_level, on_analog};
+  host_surroundings surroundings{this, on_edge, on_output, on_level, on_analog, on_lights};
   firmware_->start(&host, &surroundings);
 }
 
@@ -197,6 +197,11 @@ bool FirmwareBoard::on_level(void* owner, uint16_t pin, int64_t clock) {
 
 uint16_t FirmwareBoard::on_analog(void* owner, uint16_t pin, int64_t clock) {
   return uint16_t(self(owner).plant_.adc(pin, clock));
+}
+
+bool FirmwareBoard::on_lights(void* owner, uint16_t pin, const uint8_t* data, uint16_t size,
+                              int64_t clock) {
+  return self(owner).plant_.show_lights(pin, Bytes(data, data + size), clock);
 }
 
 }  // namespace passo::wire

@@ -104,6 +104,8 @@ class FirmwareBoard : public Bench {
   static void on_output(void* owner, uint16_t pin, uint32_t value, uint32_t full, int64_t clock);
   static bool on_level(void* owner, uint16_t pin, int64_t clock);
   static uint16_t on_analog(void* owner, uint16_t pin, int64_t clock);
+  static bool on_lights(void* owner, uint16_t pin, const uint8_t* data, uint16_t size,
+                        int64_t clock);
 };
 
 }  // namespace passo::wire

@@ -24,11 +24,33 @@ void Plant::add_stall_sensor(std::shared_ptr<StallSensor> sensor) {
   loads_.push_back({std::move(sensor), driven ? driven->start : 0.0});
 }
 
+void Plant::add_rotor(FanRotor rotor) {
+  rotor.since = done_;
+  rotors.push_back(rotor);
+}
+
+void Plant::clock_lights(uint32_t data_pin, uint32_t clock_pin, const Bytes& data, Ticks clock) {
+  for (LightChain& chain : lights)
+    if (chain.pin == data_pin && chain.clock_pin == int64_t(clock_pin))
+      for (uint8_t byte : data) chain.take(byte, clock);
+}
+
+bool Plant::show_lights(uint32_t pin, const Bytes& data, Ticks clock) {
+  for (LightChain& chain : lights)
+    if (chain.pin == pin) return chain.show(data, clock);
+  return true;
+}
+
 void Plant::set_output(uint32_t pin, Ticks clock, double duty) {
   if (std::find(low_is_on.begin(), low_is_on.end(), pin) != low_is_on.end()) duty = 1 - duty;
   for (BedProbe& probe : probes)
     if (probe.mechanism.control_pin == pin && duty > 0)
       probe.mechanism.pulse(duty * kServoCycleUs, clock);
+  for (FanRotor& rotor : rotors) {
+    if (rotor.fan_pin != pin) continue;
+    run_until(clock);
+    rotor.duty = duty;
+  }
   for (HeatedBody& body : bodies) {
     bool fan = body.fan_loss > 0 && body.fan_pin == pin;
     if (body.heater_pin != pin && !fan) continue;
@@ -53,6 +75,7 @@ void Plant::edge(uint32_t pin, bool level, Ticks clock) {
     if (line.tx_pin() == pin) line.edge(level, clock);
   for (SpiDevice& device : spi_devices) device.edge(pin, level, clock);
   for (I2cDevice& device : i2c_devices) device.edge(pin, level, clock);
+  for (LightChain& chain : lights) chain.edge(pin, level, clock);
 }
 
 UartLine* Plant::uart(uint32_t rx_pin) {
@@ -89,6 +112,7 @@ void Plant::rebase(uint32_t step_pin, int64_t net) {
 
 void Plant::run_until(Ticks clock) {
   for (; done_ + step_ticks_ <= clock; done_ += step_ticks_) {
+    for (FanRotor& rotor : rotors) rotor.step(step_s_, step_ticks_);
     for (HeatedBody& body : bodies) {
       Ticks end = done_ + step_ticks_;
       double mean = body.heat.take(end, step_ticks_), fan = body.fan.take(end, step_ticks_);
@@ -176,6 +200,11 @@ bool Plant::level(uint32_t pin, Ticks clock, const Position& position) {
     if (s.forced >= 0) pressed = s.forced > 0;
     if (s.forced == 2) pressed = clock / Ticks(Switch::kFlickerSeconds * hz_) % 2 != 0;
     return pressed == s.pressed_level;
+  }
+  for (const FanRotor& rotor : rotors) {
+    if (rotor.tacho_pin != pin) continue;
+    run_until(clock);
+    return rotor.level(clock, hz_);
   }
   for (BedProbe& probe : probes) {
     if (probe.pin != pin) continue;

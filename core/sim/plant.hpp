@@ -12,7 +12,9 @@
 #include "heat/curve.hpp"
 #include "link/device.hpp"
 #include "sim/bed.hpp"
+#include "sim/fan_rotor.hpp"
 #include "sim/i2c_device.hpp"
+#include "sim/light_chain.hpp"
 #include "sim/spi_device.hpp"
 #include "sim/stall_sensor.hpp"
 #include "sim/uart_line.hpp"
@@ -90,6 +92,8 @@ class Plant {
   std::deque<SpiDevice> spi_devices;
   std::deque<I2cDevice> i2c_devices;
   std::vector<TravelStop> stops;
+  std::vector<FanRotor> rotors;
+  std::vector<LightChain> lights;
 
   Plant(double clock_hz, uint32_t adc_max, Ticks start)
       : hz_(clock_hz), step_s_(kStepSeconds), step_ticks_(Ticks(kStepSeconds * clock_hz)),
@@ -98,6 +102,7 @@ class Plant {
   void add_body(HeatedBody body);
   void add_probe(BedProbe probe);
   void add_stall_sensor(std::shared_ptr<StallSensor> sensor);
+  void add_rotor(FanRotor rotor);
 
   // From `clock` on, an output pin is high for the fraction `duty` of the time.
   void set_output(uint32_t pin, Ticks clock, double duty);
@@ -106,6 +111,10 @@ class Plant {
   uint32_t adc(uint32_t pin, Ticks clock) { return uint32_t(share(pin, clock) * adc_max_ + 0.5); }
   // An edge on a pin of a UART, SPI or I2C bus.
   void edge(uint32_t pin, bool level, Ticks clock);
+  // A chain with a clock receives bytes from a bus of these pins.
+  void clock_lights(uint32_t data_pin, uint32_t clock_pin, const Bytes& data, Ticks clock);
+  // A chain of lights receives a frame; false if it was late.
+  bool show_lights(uint32_t pin, const Bytes& data, Ticks clock);
   UartLine* uart(uint32_t rx_pin);
   SpiDevice* spi_device(uint32_t select_pin);
   I2cDevice* i2c_device(I2cPins pins, uint8_t address);

@@ -164,6 +164,10 @@ void VirtualBoard::run(uint32_t oid, Part& part) {
   } else if (auto* buttons = std::get_if<BoardButtons>(&part)) {
     if (buttons->run([this](uint32_t pin) { return level(pin, now_); }))
       report(Report::buttons_state, {oid, buttons->acknowledged}, &buttons->states);
+  } else if (auto* counter = std::get_if<BoardCounter>(&part)) {
+    if (counter->run(level(counter->pin, now_)))
+      report(Report::counter_state,
+             {oid, uint32_t(counter->report_at), counter->count, uint32_t(counter->counted_at)});
   }
 }
 
@@ -260,7 +264,7 @@ void VirtualBoard::command(Command id, const uint32_t* a, const Bytes& blob) {
 }
 
 void VirtualBoard::part_command(Command id, const uint32_t* a) {
-  if (buttons_command(id, a)) return;
+  if (buttons_command(id, a) || counter_command(id, a)) return;
   switch (id) {
     case Command::config_stepper:
       configure(a[0], BoardMotor(a[1], a[2])).set_late_limit(ticks(0.001));
@@ -325,6 +329,19 @@ bool VirtualBoard::buttons_command(Command id, const uint32_t* a) {
     default:
       return false;
   }
+}
+
+bool VirtualBoard::counter_command(Command id, const uint32_t* a) {
+  if (id == Command::config_counter) {
+    configure(a[0], BoardCounter(a[1]));
+    return true;
+  }
+  if (id != Command::query_counter) return false;
+  BoardCounter& counter = get<BoardCounter>(a[0]);
+  if (!finalized_) throw Shutdown{Fault::not_finalized};
+  if (a[2] != 0) check_period(a[2]);
+  counter.query(a[2] != 0 ? ahead(a[1]) : kNever, a[2], a[3], level(counter.pin, now_));
+  return true;
 }
 
 void VirtualBoard::motion_command(Command id, const uint32_t* a) {
@@ -519,6 +536,7 @@ void VirtualBoard::shut_down(Fault fault) {
     if (auto* endstop = std::get_if<BoardEndstop>(&part)) endstop->armed = false;
     if (auto* group = std::get_if<BoardTrsync>(&part)) *group = BoardTrsync();
     if (auto* buttons = std::get_if<BoardButtons>(&part)) buttons->due = kNever;
+    if (auto* counter = std::get_if<BoardCounter>(&part)) counter->due = kNever;
   }
   serial_.shut_down();
   report(Report::shutdown, {uint32_t(now_), uint32_t(fault)});

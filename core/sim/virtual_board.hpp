@@ -13,6 +13,7 @@
 #include "link/dictionary.hpp"
 #include "link/frame.hpp"
 #include "sim/board_buttons.hpp"
+#include "sim/board_counter.hpp"
 #include "sim/board_io.hpp"
 #include "sim/board_motor.hpp"
 #include "sim/board_protocol.hpp"
@@ -56,8 +57,8 @@ class VirtualBoard : public Bench {
   std::vector<PinChange> take_changes(uint32_t pin) override;
 
  private:
-  using Part =
-      std::variant<BoardMotor, BoardOutput, BoardAnalogIn, BoardEndstop, BoardTrsync, BoardButtons>;
+  using Part = std::variant<BoardMotor, BoardOutput, BoardAnalogIn, BoardEndstop, BoardTrsync,
+                            BoardButtons, BoardCounter>;
   static constexpr size_t kParametersMax = 10;
   struct Shape {
     bool known, in_shutdown;
@@ -103,6 +104,8 @@ class VirtualBoard : public Bench {
   void motion_command(Command id, const uint32_t* a);
   // Carries out a command about buttons. Returns false for other commands.
   bool buttons_command(Command id, const uint32_t* a);
+  // The same for those of counters.
+  bool counter_command(Command id, const uint32_t* a);
 
   // ---- parts
 

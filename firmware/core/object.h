@@ -25,6 +25,8 @@ enum object_type {
   OBJECT_I2C,
   OBJECT_THERMOCOUPLE,
   OBJECT_ACCELEROMETER,
+  OBJECT_COUNTER,
+  OBJECT_NEOPIXEL,
 };
 
 // A function that is called for each object of one kind.

@@ -60,8 +60,8 @@ _Noreturn void hal_reset(void);
 
 // Returns the next received byte, or -1.
 int16_t hal_console_read(void);
-// Returns the bytes that hal_console_write() takes now without waiting; at least 64 when everything
-// has been sent.
+// Returns the bytes that hal_console_write() takes now without waiting; 255 when everything has been
+// sent.
 uint8_t hal_console_room(void);
 void hal_console_write(const uint8_t *data, uint8_t size);
 
@@ -85,6 +85,13 @@ void hal_pwm_write(const struct hal_pwm *pwm, uint16_t value);
 bool hal_analog_read(const struct hal_analog *analog, uint16_t *value);
 // Drops a conversion that was started and not read. Any context.
 void hal_analog_cancel(const struct hal_analog *analog);
+
+// Sends bytes on one wire to a chain of lights, the highest bit of each byte first. A bit begins
+// with a pulse: 0.2 to 0.5 us for a 0, 0.7 to 1.2 us for a 1. Interrupts are off only during each
+// pulse. Returns false, and sends no further bits, if a bit takes more than `bit_max` ticks: the
+// chain shows what has arrived. Foreground.
+bool hal_lights_send(const struct hal_output *output, const uint8_t *data, uint16_t size,
+                     uint16_t bit_max);
 
 // ---- Step generator: hal/common/stepgen.c over one alarm, or the chip's own
 

@@ -865,6 +865,33 @@ class Bench(Device):
 
     def temperature(self, sensor_pin: int) -> float: ...
 
+    def add_rotor(self, fan_pin: int, tacho_pin: int, full_hz: float, time_constant_s: float, pulses: float) -> None:
+        """
+        Adds a fan with a tachometer: revolutions a second at full power, and pulses in a revolution.
+        """
+
+    def force_rotor(self, tacho_pin: int, stalled: bool, silent: bool) -> None:
+        """Faults: the rotor does not turn; the tachometer gives no pulses."""
+
+    def rotor_hz(self, tacho_pin: int) -> float:
+        """Revolutions a second."""
+
+    def add_lights(self, pin: int, clock_pin: int = -1, count: int = 0) -> None:
+        """
+        Adds a chain of lights on this data pin; one with a clock has so many LEDs.
+        """
+
+    def lights(self, pin: int) -> bytes:
+        """The bytes that a chain shows; none before its first frame."""
+
+    def trace_lights(self, pin: int) -> None: ...
+
+    def take_lights(self, pin: int) -> list[tuple[int, bytes]]:
+        """The frames since the last call: clock and bytes."""
+
+    def fail_lights(self, pin: int, frames: int) -> None:
+        """A fault: so many of the next frames are late."""
+
     def net_steps(self, step_pin: int) -> int: ...
 
     def steps(self, step_pin: int) -> int: ...
@@ -1451,10 +1478,19 @@ def add_accelerometer(bench: Bench, select_pin: int, clock_pin: int, to_device: 
     Connects an accelerometer, which lies still, to the SPI bus on these pins.
     """
 
+class LedChip:
+    """A simulated chip that sets LEDs."""
+
+    def register(self, at: int) -> int:
+        """The value of one of its 16 registers."""
+
 def add_i2c_accelerometer(bench: Bench, clock_pin: int, data_pin: int, address: int, kind: AccelerometerKind, clock_hz: float) -> AccelerometerChip:
     """
     Connects an accelerometer, which lies still, to the I2C bus on these pins.
     """
+
+def add_led_chip(bench: Bench, clock_pin: int, data_pin: int, address: int) -> LedChip:
+    """Connects a chip that sets LEDs to the I2C bus on these pins."""
 
 def sincos(x: float) -> tuple[float, float]: ...
 

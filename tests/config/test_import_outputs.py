@@ -209,3 +209,82 @@ def test_output_named_beeper_sounds_at_m300(tmp_path: Path) -> None:
         s.passes(1)
         assert s.board.take_changes("beeper")
         assert s.host.ok("CHIRP")[-1] == "ok"
+
+
+LIGHTS = """
+[neopixel toolhead]
+pin: PC12
+chain_count: 3
+color_order: GRBW
+initial_RED: 0.1
+initial_WHITE: 0.5
+[neopixel mixed]
+pin: PC13
+color_order: GRB, RGB
+[led chamber]
+white_pin: !PC14
+cycle_time: 0.005
+[dotstar bar]
+data_pin: PC15
+clock_pin: PE0
+chain_count: 10
+[pca9533 old]
+"""
+
+
+EFFECTS = """
+[led_effect busy]
+autostart: true
+frame_rate: 24
+leds:
+    neopixel:toolhead (1,3)
+layers:
+    breathing  3 1 top (1,0,0)
+[led_effect heating]
+leds:
+    neopixel:toolhead
+heater: extruder
+layers:
+    # a comment
+    stepper 1 1 top (1,0,0)
+    temperature 20 80 add (0,0,1), (1,0,0)
+[led_effect homing]
+leds:
+    neopixel:toolhead
+layers:
+    homing 1 1 top (1,0,0)
+"""
+
+
+def test_effects_of_the_plug_in_become_light_effects(tmp_path: Path):
+    path = tmp_path / "printer.cfg"
+    path.write_text(BASE + LIGHTS + EFFECTS, encoding="utf-8")
+    draft = imported(path)
+    settle(draft)
+    effects = config.load_text(draft.text("")).light_effects
+    assert list(effects) == ["busy", "heating"]
+    busy, heating = effects.values()
+    assert (busy.light, busy.leds, busy.kind, busy.period_s) == ("toolhead", [1, 3], "breathing", 3)
+    assert busy.starts
+    assert busy.colors == [[1.0, 0.0, 0.0]]
+    assert (heating.kind, heating.low_c, heating.high_c) == ("heater", 20, 80)
+    assert heating.heater == "hotend"
+    assert any("effect that Passo has" in text for text in remarks(draft, "decide"))
+    assert any("of temperature alone" in text for text in remarks(draft, "changed"))
+
+
+def test_lights_become_lights(tmp_path: Path):
+    path = tmp_path / "printer.cfg"
+    path.write_text(BASE + LIGHTS, encoding="utf-8")
+    draft = imported(path)
+    settle(draft)
+    machine = config.load_text(draft.text(""))
+    assert list(machine.lights) == ["toolhead", "chamber", "bar"]
+    head = machine.lights["toolhead"].model_dump()
+    assert (head["order"], head["count"], head["start"]) == ("GRBW", 3, [0.1, 0.0, 0.0, 0.5])
+    assert machine.lights["chamber"].model_dump()["pwm_hz"] == pytest.approx(200)
+    assert any("one order for the whole chain" in text for text in remarks(draft, "decide"))
+    assert any("pca9533" in text for text in remarks(draft, "dropped"))
+    settings = Sections(machine).settings
+    assert settings["neopixel toolhead"]["chain_count"] == 3
+    assert settings["neopixel toolhead"]["initial_white"] == 0.5

@@ -27,6 +27,8 @@ void output(void*, uint16_t, uint32_t value, uint32_t full, int64_t clock) {
 bool level(void*, uint16_t pin, int64_t clock) { return (clock >> 14 ^ pin) & 1; }
 uint16_t analog(void*, uint16_t pin, int64_t clock) { return uint16_t((clock >> 16) + pin) & 1023; }
 
+bool lights(void*, uint16_t, const uint8_t*, uint16_t, int64_t clock) { return clock >> 20 & 1; }
+
 // Listens; returns how many bytes the firmware has said.
 size_t heard() {
   size_t size;
@@ -87,7 +89,7 @@ void configure() {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static const uint8_t dictionary[] = {1, 2, 3};
   const host_options options{16000000, 64, dictionary, sizeof dictionary, (1ll << 32) - 100000};
-  const host_surroundings surroundings{nullptr, edge, output, level, analog};
+  const host_surroundings surroundings{nullptr, edge, output, level, analog, lights};
   now = reached = options.start;
   firmware->start(&options, &surroundings);
   if (size > 0 && data[0] & 0x80) configure();

@@ -19,6 +19,8 @@ struct host_surroundings {
   void (*output)(void *owner, uint16_t pin, uint32_t value, uint32_t full, int64_t clock);
   bool (*level)(void *owner, uint16_t pin, int64_t clock);
   uint16_t (*analog)(void *owner, uint16_t pin, int64_t clock);
+  // A chain of lights receives `size` bytes; false: a bit was late.
+  bool (*lights)(void *owner, uint16_t pin, const uint8_t *data, uint16_t size, int64_t clock);
 };
 struct host_options {
   uint32_t clock_hz;

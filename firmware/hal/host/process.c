@@ -61,6 +61,10 @@ static uint16_t analog(void *owner, uint16_t pin, int64_t clock) {
   (void)owner, (void)pin, (void)clock;
   return analog_value;
 }
+static bool lights(void *owner, uint16_t pin, const uint8_t *data, uint16_t size, int64_t clock) {
+  (void)owner, (void)pin, (void)data, (void)size, (void)clock;
+  return true;
+}
 
 static int64_t real_time(void) {
   struct timespec t;
@@ -155,6 +159,6 @@ int main(int argc, char **argv) {
   const uint8_t *dictionary = board->built_dictionary(&size);
   board->start(
       &(struct host_options){PROCESS_CLOCK_HZ, PROCESS_MOVES, dictionary, (uint16_t)size, now()},
-      &(struct host_surroundings){NULL, edge, output, input, analog});
+      &(struct host_surroundings){NULL, edge, output, input, analog, lights});
   return serve(board, master);
 }

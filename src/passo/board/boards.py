@@ -264,6 +264,23 @@ class Boards:
         """Like `Connection.input_changes`, of all boards."""
         return [change for c in self.connections for change in c.input_changes()]
 
+    def take_counts(self) -> None:
+        """Like `Connection.take_counts`, on all boards."""
+        for connection in self.connections:
+            connection.take_counts()
+
+    def count_rate(self, counter: str, lasts_s: float) -> float | None:
+        """Like `Connection.count_rate`."""
+        return self.connection_of("counters", counter).count_rate(counter, lasts_s)
+
+    def show_light(self, light: str, frame: bytes) -> None:
+        """Like `LightFrames.show`, on the board of a light."""
+        self.connection_of("lights", light).lights.show(light, frame)
+
+    def work_lights(self) -> list[str]:
+        """Like `Connection.work_lights`, on all boards."""
+        return [light for c in self.connections for light in c.work_lights()]
+
     def net_steps(self, stepper: str) -> int:
         """Like `Connection.net_steps`."""
         return self.connection_of("steppers", stepper).net_steps(stepper)

@@ -22,6 +22,7 @@ from passo.board.description import (
 )
 from passo.board.dictionary import Dictionary
 from passo.board.inputs import RETRANSMIT_COUNT, SAMPLE_S, groups_of, inversion
+from passo.board.lights import BIT_MAX_S, RESET_S, SLOW_BIT_MAX_S
 from passo.config.chip_sensors import chip_sensor_table
 
 _Key = TypeVar("_Key", bound=Hashable)
@@ -30,6 +31,7 @@ SENSOR_SAMPLES = 8
 SENSOR_SAMPLE_S = 0.001
 SENSOR_PERIOD_S = 0.25
 SENSOR_RANGE_CHECKS = 4
+COUNTER_PERIOD_S = 1.0
 
 _UART_BAUD = 40_000
 _SLOW_UART_BAUD = 9_000  # the minimum that the drivers support
@@ -39,9 +41,9 @@ _FAST_HZ = 20_000_000
 @dataclass(frozen=True, slots=True)
 class Oids:
     """The object number of each part of the board, in this order: steppers, outputs, sensors,
-    endstops, trsyncs, UARTs, SPI devices, I2C devices, accelerometers, groups of inputs. A trsync
-    is the group of motors on this board that one endstop stops; the endstop may be on another
-    board. UARTs, devices and accelerometers are found by their pins."""
+    endstops, trsyncs, UARTs, SPI devices, I2C devices, accelerometers, groups of inputs, counters,
+    chains of lights. A trsync is the group of motors on this board that one endstop stops; the
+    endstop may be on another board. UARTs, devices and accelerometers are found by their pins."""
 
     steppers: dict[str, int]
     outputs: dict[str, int]
@@ -53,6 +55,8 @@ class Oids:
     i2c_devices: dict[I2cPins, int]
     accelerometers: dict[SpiPins | I2cPins, int]
     inputs: dict[tuple[Input, ...], int]
+    counters: dict[str, int]
+    chains: dict[str, int]
     count: int
 
     @classmethod
@@ -77,6 +81,8 @@ class Oids:
             numbered(board.i2c_devices),
             numbered(a.wire for a in board.accelerometers),
             numbered(groups_of(board.inputs)),
+            numbered(c.name for c in board.counters),
+            numbered(light.name for light in board.chains),
             count,
         )
 
@@ -165,7 +171,22 @@ def commands(board: BoardDescription, dictionary: Dictionary) -> list[str]:
             f"buttons_add oid={oid} pos={i} pin={bare(entry.pin)} pull_up={int('^' in entry.pin)}"
             for i, entry in enumerate(group)
         ]
+    lines += [
+        f"config_counter oid={oids.counters[c.name]} pin={bare(c.pin)} pull_up={int('^' in c.pin)}"
+        for c in board.counters
+    ]
+    lines += [
+        f"config_neopixel oid={oids.chains[light.name]} pin={light.wire} data_size={light.size}"
+        f" bit_max_ticks={bit_max_ticks(board.clock_hz)}"
+        f" reset_min_ticks={int(RESET_S * board.clock_hz)}"
+        for light in board.chains
+    ]
     return lines
+
+
+def bit_max_ticks(clock_hz: int) -> int:
+    """The longest bit of a chain of lights, within which an interrupt of a slow board fits."""
+    return int((BIT_MAX_S if clock_hz >= _FAST_HZ else SLOW_BIT_MAX_S) * clock_hz)
 
 
 def uart_bit_ticks(clock_hz: int) -> int:
@@ -189,6 +210,8 @@ def _spi_device(pins: SpiPins, oid: int, clock_hz: int, dictionary: Dictionary) 
         bus = f"spi_set_sw_bus oid={oid} {wires} pulse_ticks={clock_hz // (2 * pins.hz)}"
     else:  # older firmware
         bus = f"spi_set_software_bus oid={oid} {wires} rate={pins.hz}"
+    if not pins.cs_pin:
+        return [f"config_spi_without_cs oid={oid}", bus]
     return [f"config_spi oid={oid} pin={bare(pins.cs_pin)} cs_active_high=0", bus]
 
 
@@ -271,6 +294,12 @@ def queries(board: BoardDescription, dictionary: Dictionary, clock: int) -> list
         f" rest_ticks={int(SAMPLE_S * board.clock_hz)} retransmit_count={RETRANSMIT_COUNT}"
         f" invert={inversion(group)}"
         for group, oid in oids.inputs.items()
+    ]
+    lines += [
+        f"query_counter oid={oids.counters[c.name]} clock={clock & 0xFFFFFFFF}"
+        f" poll_ticks={int(c.poll_s * board.clock_hz)}"
+        f" sample_ticks={int(COUNTER_PERIOD_S * board.clock_hz)}"
+        for c in board.counters
     ]
     return lines
 

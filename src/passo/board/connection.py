@@ -17,12 +17,20 @@ from passo.board.configuration import (
     queries,
     sensors_known_to,
 )
-from passo.board.description import BoardDescription, Output, Sensor, inverted
+from passo.board.description import (
+    BoardDescription,
+    I2cPins,
+    Output,
+    Sensor,
+    SpiPins,
+    inverted,
+)
 from passo.board.dictionary import DictionaryError
 from passo.board.exchange import LEAD_S, Exchange
 from passo.board.faults import BoardResetError
 from passo.board.firmware_identity import identify
 from passo.board.inputs import SETTLING_S
+from passo.board.lights import LightFrames
 from passo.board.main_loop import MainLoop
 from passo.board.ports import Port
 from passo.board.reading import Reading
@@ -30,6 +38,8 @@ from passo.board.recorded_frames import KEPT_BYTES, KEPT_PARTS, KEPT_S, Recorded
 from passo.board.shown_sensors import REPORTS, Broken, ShownSensors
 from passo.board.start_up import add_parts, configure, follow_clock
 from passo.board.survive import has_survived
+from passo.board.tachometers import REPORT as COUNTER_REPORT
+from passo.board.tachometers import Tachometers
 from passo.errors import MachineError
 
 _SQUARES = 256  # ticks² in one unit of reported load, if the board does not specify it
@@ -54,6 +64,8 @@ class Connection(Exchange):
         self._timeline: _core.Timeline | None = None
         self._main_loop: MainLoop | None = None
         self._shown: ShownSensors | None = None
+        self.lights = self._light_frames()
+        self.tachometers = Tachometers(self.oids.counters, board.clock_hz)
 
     def connect(self, *, adopt: bool = False) -> None:
         """Identifies and configures the board, follows its clock and starts its sensors.
@@ -101,6 +113,8 @@ class Connection(Exchange):
             self.board = sensors_known_to(self.board, self.dictionary)
             self.oids = Oids.of(self.board)
             self._crc = checksum(commands(self.board, self.dictionary))
+            self.lights = self._light_frames()
+            self.tachometers = Tachometers(self.oids.counters, self.board.clock_hz)
         except DictionaryError as error:
             raise MachineError.of("machine.dictionary", value=str(error)) from None
 
@@ -201,6 +215,43 @@ class Connection(Exchange):
         for heater in self.heaters.values():
             heater.asked_anew()
         self.inputs.asked_anew(self.clock_after(LEAD_S + SETTLING_S))
+        self.lights.renew()
+        self.tachometers.forget()
+
+    def _light_frames(self) -> LightFrames:
+        oids = dict(self.oids.chains)
+        for light in self.board.lights:
+            if isinstance(light.wire, SpiPins):
+                oids[light.name] = self.oids.spi_devices[light.wire]
+            elif isinstance(light.wire, I2cPins):
+                oids[light.name] = self.oids.i2c_devices[light.wire]
+        older = self.dictionary.takes("i2c_read", "reg")
+        return LightFrames(self.board.lights, oids, self.port.byte_s, older_i2c=older)
+
+    def take_counts(self) -> None:
+        """Takes the reports of the counters since the last call."""
+        if self.board.counters:
+            self.tachometers.take(self.take_responses(COUNTER_REPORT), self.board_clock)
+
+    def count_rate(self, counter: str, lasts_s: float) -> float | None:
+        """Changes per second of a counter, unless the last report is older than `lasts_s`."""
+        rate = self.tachometers.rates.get(counter)
+        if rate is None or self.board_clock - rate.clock > lasts_s * self.board.clock_hz:
+            return None
+        return rate.changes_s
+
+    def work_lights(self) -> list[str]:
+        """Sends what is due to the lights. Returns those that could not show their state in several
+        attempts. Call this often, while the link is up."""
+        if not self.board.lights:
+            return []
+        failed: list[str] = []
+        for _, report in self.take_responses("neopixel_result"):
+            light = self.lights.take_result(int(report["oid"]), success=bool(report["success"]))
+            failed += [light] if light else []
+        self.take_responses("i2c_response")  # writes need no answer
+        self.lights.work(self.board_clock / self.board.clock_hz, self.command)
+        return failed
 
     def main_loop(self) -> MainLoop | None:
         """The load in the board's last report; None before the first report. Does not ask the

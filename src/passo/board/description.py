@@ -206,6 +206,29 @@ class Input:
 
 
 @dataclass(frozen=True, slots=True)
+class Counter:
+    """A digital input whose changes the board counts, every `poll_s` seconds. It reports the count
+    once a second."""
+
+    name: str
+    pin: str
+    poll_s: float = 0.0015
+
+
+@dataclass(frozen=True, slots=True)
+class Light:
+    """A light that the board sends frames to: a chain of `count` LEDs and `size` bytes on a data
+    pin with the timing of the WS2812, or a device on a bus. The board sends the bytes of `setup` to
+    an I2C device before the first frame."""
+
+    name: str
+    wire: str | SpiPins | I2cPins
+    size: int
+    count: int = 1
+    setup: tuple[bytes, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Driver:
     """The driver chip of the motor `stepper`, set up over UART or SPI. `address` distinguishes the
     drivers on one UART."""
@@ -234,6 +257,8 @@ class BoardDescription:
     heaters: tuple[Heater, ...] = ()
     endstops: tuple[Endstop, ...] = ()
     inputs: tuple[Input, ...] = ()
+    counters: tuple[Counter, ...] = ()
+    lights: tuple[Light, ...] = ()
     drivers: tuple[Driver, ...] = ()
     settings: tuple[Setting, ...] = ()
     accelerometers: tuple[Accelerometer, ...] = ()
@@ -253,6 +278,8 @@ class BoardDescription:
             ("heater", [h.name for h in self.heaters]),
             ("endstop", [e.name for e in self.endstops]),
             ("input", [i.name for i in self.inputs]),
+            ("counter", [c.name for c in self.counters]),
+            ("light", [light.name for light in self.lights]),
         ):
             _unique(f"{part} name", names)
         if not self.stepper_targets:
@@ -289,13 +316,20 @@ class BoardDescription:
             *(s.spi for s in self.sensors),
             *(s.spi for s in self.settings),
             *(a.wire for a in self.accelerometers),
+            *(light.wire for light in self.lights),
         )
         return tuple(wire for wire in wires if isinstance(wire, SpiPins))
 
     @property
     def i2c_devices(self) -> tuple[I2cPins, ...]:
         """All devices on I2C buses."""
-        return tuple(a.wire for a in self.accelerometers if isinstance(a.wire, I2cPins))
+        wires = (part.wire for part in (*self.accelerometers, *self.lights))
+        return tuple(wire for wire in wires if isinstance(wire, I2cPins))
+
+    @property
+    def chains(self) -> tuple[Light, ...]:
+        """The lights on data pins."""
+        return tuple(light for light in self.lights if isinstance(light.wire, str))
 
     @property
     def pins(self) -> tuple[str, ...]:
@@ -306,6 +340,8 @@ class BoardDescription:
             *(s.pin for s in self.sensors if s.spi is None),
             *(e.pin for e in self.endstops),
             *(i.pin for i in self.inputs),
+            *(c.pin for c in self.counters),
+            *(light.wire for light in self.lights if isinstance(light.wire, str)),
             *{
                 bare(pin): pin
                 for wire in (*self.uarts, *self.spi_devices, *self.i2c_devices)
@@ -326,6 +362,7 @@ def together(boards: Mapping[str, BoardDescription]) -> BoardDescription:
     sensors: list[Sensor] = []
     endstops: list[Endstop] = []
     inputs: list[Input] = []
+    counters: list[Counter] = []
     for name, board in boards.items():
         named = partial(named_on, name)
         for i, s in zip(board.stepper_targets, board.steppers, strict=True):
@@ -335,6 +372,7 @@ def together(boards: Mapping[str, BoardDescription]) -> BoardDescription:
         sensors += [replace(s, pin=named(s.pin)) for s in board.sensors]
         endstops += [replace(e, pin=named(e.pin)) for e in board.endstops]
         inputs += [replace(i, pin=named(i.pin)) for i in board.inputs]
+        counters += [replace(c, pin=named(c.pin)) for c in board.counters]
     order = [outputs[i].name for i in sorted(outputs)]
     heaters = (h for board in boards.values() for h in board.heaters)
     return replace(
@@ -345,6 +383,8 @@ def together(boards: Mapping[str, BoardDescription]) -> BoardDescription:
         heaters=tuple(sorted(heaters, key=lambda h: order.index(h.output))),
         endstops=tuple(endstops),
         inputs=tuple(inputs),
+        counters=tuple(counters),
+        lights=tuple(light for board in boards.values() for light in board.lights),
         endstops_elsewhere=(),
         stepper_targets=(),
         output_targets=(),

@@ -73,6 +73,13 @@ _INPUTS = _Words(
     ("buttons_query oid clock rest_ticks retransmit_count invert", "buttons_ack oid count"),
     ("buttons_state oid ack_count state",),
 )
+_COUNTERS = _Words(
+    ("query_counter oid clock poll_ticks sample_ticks",),
+    ("counter_state oid next_clock count count_clock",),
+)
+_CHAINS = _Words(
+    ("neopixel_update oid pos data", "neopixel_send oid"), ("neopixel_result oid success",)
+)
 _OLDER_I2C = _Words(
     ("i2c_write oid data", "i2c_read oid reg read_len"), ("i2c_read_response oid response",)
 )
@@ -115,6 +122,10 @@ def _needed(board: BoardDescription, dictionary: Dictionary) -> Iterator[_Words]
         yield _SPI
     if board.inputs:
         yield _INPUTS
+    if board.counters:
+        yield _COUNTERS
+    if board.chains:
+        yield _CHAINS
     if board.i2c_devices:
         yield _OLDER_I2C if dictionary.takes("i2c_read", "reg") else _I2C
 

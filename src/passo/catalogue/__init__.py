@@ -14,12 +14,14 @@ from passo.catalogue.command import COMMAND
 from passo.catalogue.config import CONFIG
 from passo.catalogue.driver import DRIVER
 from passo.catalogue.entry import Entry, ExitStatus
+from passo.catalogue.fan import FAN
 from passo.catalogue.firmware import FIRMWARE
 from passo.catalogue.heat import HEAT, SHOWN
 from passo.catalogue.importing import IMPORT
 from passo.catalogue.input import INPUT
 from passo.catalogue.job import JOB
 from passo.catalogue.levelling import LEVELLING
+from passo.catalogue.light import LIGHT
 from passo.catalogue.link import LINK
 from passo.catalogue.machine import MACHINE
 from passo.catalogue.macro import MACRO
@@ -41,6 +43,8 @@ CATALOGUE: Mapping[str, Entry] = {
     **MACRO,
     **COMMAND,
     **MACHINE,
+    **FAN,
+    **LIGHT,
     **LINK,
     **PROBE,
     **HEAT,

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from passo.config.findings import Finding, parts_with_sensors, table, tables
+from passo.config.lights import LIGHT_PINS
 from passo.config.motor_roles import Drive, Driven, axis_order
 from passo.config.pin_names import MAIN, bare, placed, section
 from passo.config.sensors import CONVERTERS, Converter
@@ -191,8 +192,15 @@ def bindings(machine: MachineConfig) -> list[Binding]:
         # fans may be on each other's outputs
         own = (output for output in fans if output and machine.pin(output) == machine.pin(fan.pin))
         add(f"fans.{name}.pin", fan.pin, next(own, default))
+        if fan.tachometer:
+            add(f"fans.{name}.tachometer.pin", fan.tachometer.pin, None)
     for name, output in machine.outputs.items():
         add(f"outputs.{name}.pin", output.pin, None)
+    for name, servo in machine.servos.items():
+        add(f"servos.{name}.pin", servo.pin, None)
+    for name, light in machine.lights.items():
+        for key in LIGHT_PINS:
+            add(f"lights.{name}.{key}", getattr(light, key, None), None)
     for name, shown in machine.sensors.items():
         add(f"sensors.{name}.sensor_pin", shown.sensor_pin, None)
         if isinstance(shown.sensor, Converter):

@@ -15,10 +15,13 @@ from passo.config.findings import Finding, array, did_you_mean, number, table, t
 from passo.config.heat_checks import check_fans, check_heaters, check_pulses
 from passo.config.inputs import check_inputs
 from passo.config.klipper_options.check import check_kept_options
+from passo.config.light_effects import check_light_effects
+from passo.config.lights import check_lights
 from passo.config.macro_checks import check_macros
 from passo.config.motor_roles import Drivable, Driven, axis_order
 from passo.config.output_checks import check_names, check_outputs, check_shown_sensors
 from passo.config.pin_checks import check_pins
+from passo.config.servos import check_servos
 
 Raw = Mapping[str, Any]
 
@@ -214,6 +217,9 @@ def check_all(
         check_fans,
         check_pulses,
         check_outputs,
+        check_lights,
+        check_light_effects,
+        check_servos,
         check_shown_sensors,
         check_names,
         check_drivers,

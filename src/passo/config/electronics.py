@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -27,6 +27,25 @@ class Thermostat(Model):
     """Derivative gain, in 1/255 of full power per °C/s."""
     min_power: Fraction = 0.3
     """The minimum power with a PID, while the target is not 0."""
+
+
+class Tachometer(Model):
+    """The tachometer of a fan: an output of the fan that gives pulses while it turns."""
+
+    pin: Pin
+    """The input, on the board of the fan; most fans need `^`, a pull-up."""
+    pulses: Annotated[int, Field(ge=1, le=100)] = 2
+    """The pulses in a revolution."""
+    poll_ms: Annotated[float, Field(ge=0.1, le=100)] = 1.5
+    """The time between two looks of the board, ms. The board counts up to 30 000 / `pulses` /
+    `poll_ms` rpm: 10 000 with the defaults."""
+    min_rpm: Annotated[float, Field(ge=0, le=100_000)] = 0.0
+    """The fan has a fault if it turns slower for 3 s while it has power. A fan that follows a
+    heater must turn only while the heater is above `above_c`. 0: no fault."""
+    on_fault: Literal["machine", "job", "report"] = "report"
+    """Whether a fault halts the printer, pauses the print, or is only reported."""
+    simulated_rpm: Annotated[float, Field(gt=0, le=100_000)] = 5000.0
+    """The revolutions per minute at full power on the simulated printer."""
 
 
 class Fan(Model):
@@ -67,6 +86,8 @@ class Fan(Model):
     """The sensor that this fan cools. Commands set the target of such a fan."""
     pwm_hz: Annotated[float, Field(ge=1, le=1000)] = 10.0
     """Pulses per second of the output."""
+    tachometer: Tachometer | None = None
+    """The tachometer, which measures the speed."""
 
     @property
     def commanded(self) -> bool:

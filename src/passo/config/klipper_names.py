@@ -48,6 +48,11 @@ def fan_object(machine: MachineConfig, name: str) -> str:
     return "fan" if name == first else f"fan_generic {name}"
 
 
+def light_object(machine: MachineConfig, name: str) -> str:
+    """Klipper's name for a light."""
+    return f"{machine.lights[name].kind} {name}"
+
+
 def sensor_object(machine: MachineConfig, name: str) -> str:
     """Klipper's name for a filament sensor."""
     return f"filament_{machine.filament_sensors[name].kind}_sensor {name}"

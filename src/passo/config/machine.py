@@ -17,6 +17,8 @@ from passo.config.heat import Heaters
 from passo.config.homing import Homing
 from passo.config.inputs import Buttons, FilamentSensors, button_input, sensor_input
 from passo.config.jerk import box_s
+from passo.config.light_effects import LightEffects
+from passo.config.lights import Led, Lights, led_outputs
 from passo.config.macros import DelayedGcode, Macro
 from passo.config.motion import (
     Axis,
@@ -36,6 +38,7 @@ from passo.config.outputs import Outputs, further_name, timed_name
 from passo.config.pin_names import MAIN, placed
 from passo.config.predefined_moves import PredefinedMove
 from passo.config.probing import Levelling, Simulated
+from passo.config.servos import Servos, servo_output
 from passo.config.shapers import impulses
 from passo.config.shown_sensors import ShownSensors
 from passo.config.types import (
@@ -123,6 +126,12 @@ class MachineConfig(Model):
     """The fans, by name."""
     outputs: Outputs = {}
     """Outputs that commands switch, by name."""
+    lights: Lights = {}
+    """Coloured lights, by name."""
+    light_effects: LightEffects = {}
+    """Effects of the lights, by name."""
+    servos: Servos = {}
+    """Servos, by name."""
     sensors: ShownSensors = {}
     """Temperature sensors without a heater, by name."""
     laser: Laser | None = None
@@ -284,12 +293,15 @@ class MachineConfig(Model):
     @property
     def timed_outputs(self) -> dict[str, str]:
         """The names of the outputs on the timeline with their pins as written, in the order of
-        their numbers: heaters, fans, laser, then the other outputs as `timed_name`, then all
-        further pins as `further_name`."""
+        their numbers: heaters, fans, laser, the other outputs as `timed_name`, LEDs, servos, then
+        all further pins as `further_name`."""
         pins = {name: heater.pin for name, heater in self.heaters.items()}
         pins |= {self.fan_output(name): fan.pin for name, fan in self.fans.items()}
         pins |= {"laser": self.laser.pin} if self.laser else {}
         pins |= {timed_name(name): output.pin for name, output in self.outputs.items()}
+        for name, light in self.lights.items():
+            pins |= led_outputs(name, light) if isinstance(light, Led) else {}
+        pins |= {servo_output(name): servo.pin for name, servo in self.servos.items()}
         return pins | {pin: at for further in self.further_pins.values() for pin, at in further}
 
     @property

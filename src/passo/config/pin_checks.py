@@ -33,6 +33,7 @@ Need = Literal[
     "to-device",
     "from-device",
     "line",
+    "data",
 ]
 
 # Drivers that are set up over SPI: each needs the chip select of its socket.
@@ -48,6 +49,7 @@ _WIRES: dict[str, Need] = {
 }
 _SHARED = ("enable", *_WIRES.values())
 _LINES = ("scl_pin", "sda_pin")  # of I2C
+_LED_PINS = ("red_pin", "green_pin", "blue_pin", "white_pin")
 # The marks with an effect, by function; pins of other functions allow none.
 _MARKS: dict[Need, str] = {
     "digital": "!",
@@ -110,7 +112,7 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
         yield from _wires((*path, "tmc"), tmc)
         for key in STALL_PINS:
             yield from _claim((*path, "tmc", key), tmc.get(key), "switch")
-    for part in ("heaters", "fans", "outputs", "sensors"):
+    for part in ("heaters", "fans", "outputs", "servos", "sensors"):
         for name, content in tables(data, part):
             hardware: Need = "pwm" if content.get("pwm") == "hardware" else "digital"
             yield from _claim((part, name, "pin"), content.get("pin"), hardware)
@@ -120,6 +122,16 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
             need: Need = "select" if sensor.get("kind") in CONVERTERS else "analog"
             yield from _claim((part, name, "sensor_pin"), content.get("sensor_pin"), need)
             yield from _wires((part, name, "sensor"), sensor)
+            counted = table(content, "tachometer").get("pin")
+            yield from _claim((part, name, "tachometer", "pin"), counted, "switch")
+    for name, content in tables(data, "lights"):
+        hardware = "pwm" if content.get("pwm") == "hardware" else "digital"
+        for key in _LED_PINS:
+            yield from _claim(("lights", name, key), content.get(key), hardware)
+        for key in ("pin", "data_pin", "clock_pin"):
+            yield from _claim(("lights", name, key), content.get(key), "data")
+        for key in _LINES:
+            yield from _claim(("lights", name, key), content.get(key), "line")
     for name, content in tables(data, "homing"):
         yield from _claim(("homing", name, "pin"), content.get("pin"), "switch")
         for stepper, pin in table(content, "stepper_pins").items():
@@ -184,7 +196,13 @@ def _check_parts(data: Raw) -> Iterator[Finding]:
                     limit = f"a pin of the board of {kind}.{name}.pin, {board or 'the main one'}"
                     path = (kind, name, "further_pins", i)
                     yield Finding("config.conflict", path, pin, limit)
+    for name, light in tables(data, "lights"):
+        for keys in (("data_pin", "clock_pin"), _LINES):
+            yield from _check_together(("lights", name), light, keys)
     fans = dict(tables(data, "fans"))
+    for name, content in fans.items():
+        both = {"pin": content.get("pin"), "tachometer": table(content, "tachometer").get("pin")}
+        yield from _check_together(("fans", name), both, ("pin", "tachometer"))
     for name, heater in tables(data, "heaters"):
         path = ("heaters", name)
         yield from _check_together(path, heater, ("pin", "sensor_pin"))

@@ -24,8 +24,6 @@ PROBE = "probe"
 """The name of the input of the probe among the endstops."""
 SERVO = "probe-servo"
 """The name of the output of its servo."""
-SERVO_CYCLE_S = 0.02
-"""The frequency of a servo signal."""
 UNKNOWNS = {"linear": 3, "quadratic": 6}
 """The minimum number of points for each kind of surface."""
 MIN_DISTANCE_MM = 1.0

@@ -25,6 +25,7 @@ PATTERNS = {
     r"^[!^~]*([A-Za-z0-9_][A-Za-z0-9_-]*:)?[A-Za-z][A-Za-z0-9_./-]*$": "a pin such as PB4, !PD7,"
     " tool:PA1 or a name in board.pins",
     r"^[A-Z]$": "one capital letter",
+    r"^[RGBW]{3,4}$": "a permutation of RGB or RGBW",
     r"^[xyzabcuvw]$": "an axis: x, y, z, a, b, c, u, v or w",
     r"^[xyz]$": "an axis: x, y or z",
     r"^e[0-9]*$": "an extruder: e, e1, e2, …",
@@ -34,7 +35,8 @@ PATTERNS = {
     r"^[a-z0-9_][a-z0-9_.-]*$": "a name of lower-case letters, digits, _, . and -",
     SHAPER_PATTERN: f"one of {SHAPER_FORMS}",
 }
-NAME, PART_NAME, PIN, LETTER, AXIS, SHAPED, EXTRUDER, UUID, COMMAND, VARIABLE, SHAPER = PATTERNS
+NAME, PART_NAME, PIN, LETTER, COLORS, *_others = PATTERNS
+AXIS, SHAPED, EXTRUDER, UUID, COMMAND, VARIABLE, SHAPER = _others
 
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
@@ -51,6 +53,7 @@ Name = Annotated[str, Field(pattern=NAME)]
 PartName = Annotated[str, Field(pattern=PART_NAME)]
 """The name of a part. It keeps its case; commands find it in any case."""
 Pin = Annotated[str, Field(pattern=PIN)]
+ColorOrder = Annotated[str, Field(pattern=COLORS)]
 Letter = Annotated[str, Field(pattern=LETTER)]
 ShaperForm = Annotated[str, Field(pattern=SHAPER)]
 AxisName = Annotated[str, Field(pattern=AXIS)]

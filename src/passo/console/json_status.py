@@ -77,6 +77,7 @@ class JsonStatus:
             "params": {
                 "atxPower": int(self._power.on),
                 "fanPercent": [round(100 * share, 1) for share in status.fans.values()],
+                **({"fanRPM": _rpm(status)} if status.fan_rpm else {}),
                 "speedFactor": round(100 * status.speed_factor, 1),
                 "extrFactors": [round(100 * flow, 1) for flow in status.flow_factors],
             },
@@ -117,3 +118,9 @@ def _heater(heater: HeaterStatus) -> tuple[float, float, int]:
     state = _FAULT if heater.fault else _ACTIVE if heater.target_c > 0 else _OFF
     celsius = ABSOLUTE_ZERO_C if heater.current_c is None else heater.current_c
     return round(celsius, 1), round(heater.target_c, 1), state
+
+
+def _rpm(status: Status) -> list[int]:
+    """The revolutions per minute of all fans; -1 without a reading, as in RepRapFirmware."""
+    found = (status.fan_rpm.get(name) for name in status.fans)
+    return [-1 if rpm is None else round(rpm) for rpm in found]

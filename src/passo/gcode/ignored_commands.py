@@ -38,8 +38,7 @@ _declare(
     Kind.NOT_BUILT,
     rest(),
     ("G12", "Passo has no nozzle wiper."),
-    ("SET_SERVO", "The servo of a probe moves with it; Passo has no other servo."),
-    ("SET_LED SET_LED_TEMPLATE", "Passo has no light."),
+    ("SET_LED_TEMPLATE", "Passo has no templates for lights; see the machine file."),
     (
         "RUN_SHELL_COMMAND",
         "Passo starts no program of the computer; a program can call it, by the web API.",
@@ -50,7 +49,6 @@ _declare(
     ("G27 M125", "M25 and M601 park the head."),
     ("M111", "Passo has no debug levels; see passo serve --log."),
     ("M192", "Passo does not wait for a cooler. M142 sets its temperature."),
-    ("M150", "Passo has no coloured light."),
     ("M163 M164 M165 M166", "Passo has no mixing extruder."),
     ("M202", "M201 limits the axes in every move, M204 T all travel."),
     ("M222", "Purges have the flow of M221."),

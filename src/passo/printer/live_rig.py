@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from passo.errors import Problem
 from passo.motion.rig import Rig
+from passo.printer.commands.lights import LightSink
 from passo.printer.commands.plan import LivePlan
 from passo.printer.commands.program import Commands
 from passo.printer.commands.set_points import Heat
@@ -34,15 +35,19 @@ class LiveRig(Rig):
         on_mark: Callable[[int, int], None],
         during_print: Callable[[Reply], bool],
         status: Callable[[], Status],
+        lights: LightSink,
     ) -> None:
-        """Like `plan`, with commands. They set temperatures in `heat`. Commands for which
-        `during_print` is True also change planned moves. Macros see `status`."""
+        """Like `plan`, with commands. They set temperatures in `heat`, and `lights`. Commands for
+        which `during_print` is True also change planned moves. Macros see `status`."""
         self.plan(on_mark)
         boards = self.connection
         full = [boards.full_scale(output.name) for output in boards.board.outputs]
         plan = LivePlan(self.queue, during_print)
         self.commands = Commands(
-            self.machine, self.job, heat, full, plan, macros=self.macros, status=status
+            *(self.machine, self.job, heat, full, plan),
+            macros=self.macros,
+            status=status,
+            lights=lights,
         )
 
     def problem(self) -> Problem:

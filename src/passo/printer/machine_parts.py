@@ -15,13 +15,15 @@ if TYPE_CHECKING:
     from passo.printer.suspension import Suspension
     from passo.printer.watch.late_commands import LateCommandWatch
     from passo.printer.watch.sensors import SensorWatch
+    from passo.printer.watch.tachometers import Tachometers
 
 
 @dataclass(frozen=True, slots=True)
 class MachineParts:
     """The parts of one machine: prints pause and resume with them, and the status shows them.
-    `sensors` are those without a heater, `suspension` suspends the job, `settings` has all settings
-    as commands, and `lateness` counts commands that the boards received late."""
+    `sensors` are those without a heater, `tachometers` those of fans, `suspension` suspends the
+    job, `settings` has all settings as commands, and `lateness` counts commands that the boards
+    received late."""
 
     outputs: Outputs
     motion: Motion
@@ -29,6 +31,7 @@ class MachineParts:
     levelling: Levelling
     inputs: InputParts
     sensors: SensorWatch
+    tachometers: Tachometers
     suspension: Suspension
     settings: Settings
     lateness: LateCommandWatch

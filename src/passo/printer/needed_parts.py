@@ -37,6 +37,15 @@ def _has_output(machine: MachineConfig) -> bool:
     return any(not output.fixed for output in machine.outputs.values())
 
 
+def _has_light(machine: MachineConfig) -> bool:
+    return bool(machine.lights)
+
+
+def _has_servo_number(machine: MachineConfig) -> bool:
+    by_probe = machine.probe is not None and machine.probe.servo_pin is not None
+    return by_probe or any(servo.number is not None for servo in machine.servos.values())
+
+
 def _has_use(use: str) -> _Needs:
     return lambda machine: any(output.use == use for output in machine.outputs.values())
 
@@ -56,7 +65,13 @@ NEEDS: Mapping[str, _Needs] = {
     "SET_TEMPERATURE_FAN_TARGET": lambda machine: any(
         fan.thermostat for fan in machine.fans.values()
     ),
+    "SET_LED": _has_light,
+    "SET_LED_EFFECT": lambda machine: bool(machine.light_effects),
+    "STOP_LED_EFFECTS": lambda machine: bool(machine.light_effects),
+    "M150": _has_light,
     "M42": _has_output,
+    "SET_SERVO": lambda machine: bool(machine.servos),
+    "M280": _has_servo_number,
     "M240": _has_use("camera"),
     "M355": _has_use("light"),
     "SET_HEATER_TEMPERATURE": _has_heaters,

@@ -11,6 +11,7 @@ from passo.levelling.mesh_files import MeshStore
 from passo.motion.endstops import homed_axes
 from passo.printer.commands.driver_registers import DriverRegisterCommands
 from passo.printer.commands.drivers import DriverCommands
+from passo.printer.commands.servo_numbers import ServoNumbers
 from passo.printer.commands.simulated_faults import SimulatedFaultCommands
 from passo.printer.commands.stalls import StallCommands
 from passo.printer.commands.user_prompts import UserPrompts
@@ -45,6 +46,7 @@ from passo.printer.watch.endstops import EndstopWatch
 from passo.printer.watch.idle_timeout import IdleWatch
 from passo.printer.watch.late_commands import LateCommandWatch
 from passo.printer.watch.sensors import SensorWatch
+from passo.printer.watch.tachometers import Tachometers
 
 if TYPE_CHECKING:
     from passo.board.boards import Boards
@@ -86,11 +88,12 @@ class Printer:
         self.state = state = State()
         self.motion_lock = MotionLock()
         self._first_faults: list[HeaterFault] = []
-        self.outputs = outputs = build_outputs(rig, state)
+        self.outputs = outputs = build_outputs(rig, state, lambda: self.status.read().progress)
         self.stops = stops = Stops(rig, state, outputs)
         self.drivers = DriverWatch(rig, state, outputs.motors, stops.halt)
         self.lateness = LateCommandWatch(rig, state)
         self.sensors = SensorWatch(rig, state, stops.halt)
+        self.tachometers = Tachometers(rig, state, stops.halt)
         self._begin(connection, first=True)
         self.motion = motion = build_motion(rig, state, self.drivers)
         self.heat = heat = build_heat(rig, state, outputs.targets, self.sensors)
@@ -118,6 +121,8 @@ class Printer:
         self.dispatch.add(self.driver_commands, registers, stalls)
         self.dispatch.add(*outputs.handlers, *heat.handlers, *motion.handlers)
         self.dispatch.add(*self.levelling.handlers, *inputs.handlers)
+        if machine.servos or (machine.probe and machine.probe.servo_pin):
+            self.dispatch.add(ServoNumbers(rig, motion.prober))
         idle = IdleWatch(
             *(rig, state, self.motion_lock, outputs, self.prompts, self.waits), stops.halt
         )
@@ -126,12 +131,14 @@ class Printer:
         self.lifetime.as_time_passes(
             idle.time_passed,
             outputs.beeper.time_passed,
+            outputs.lights.time_passed,
             self.faults.time_passed,
             self.endstops.time_passed,
             inputs.time_passed,
             AutomaticFans(rig, state, outputs.motors, self.sensors).time_passed,
             self.drivers.time_passed,
             self.sensors.time_passed,
+            self.tachometers.time_passed,
             self.lateness.time_passed,
         )
         self.supervisor = supervisor = Supervisor(
@@ -145,7 +152,7 @@ class Printer:
             *(self.waits, self.dispatch, stops, supervisor, skips),
         )
         self.parts = MachineParts(
-            *(outputs, motion, heat, self.levelling, inputs, self.sensors),
+            *(outputs, motion, heat, self.levelling, inputs, self.sensors, self.tachometers),
             *(self.suspension, self.settings, self.lateness),
         )
         ProbeGcode(self.control, motion.prober)
@@ -190,8 +197,12 @@ class Printer:
         rig.plan_commands(
             *(self.outputs.targets, self._mark_reached, self.state.is_other_source),
             lambda: self.status.read(),  # it is built after the first start
+            self.outputs.lights,
         )
         rig.commands.outputs.begin(adopted=connection.adopted)
+        rig.commands.lights.begin(adopted=connection.adopted)
+        rig.commands.servos.begin(adopted=connection.adopted)
+        self.outputs.lights.begin(connection)
         rig.queue.on_motion = self._before_motion
         rig.queue.on_pass = self._time_passed
         if connection.adopted:
@@ -278,9 +289,14 @@ class Printer:
             self.outputs.motors.all_on()
 
     def _mark_reached(self, target: int, value: int) -> None:
-        """Handles a mark that print time has reached: a heater's target in 1/100 °C, or a tone."""
-        if not self.outputs.targets.mark_reached(target, value):
+        """Handles a mark that print time has reached: a heater's target in 1/100 °C, a tone, or the
+        colours of a light."""
+        if self.outputs.targets.mark_reached(target, value):
+            return
+        if target == len(self.machine.heaters):
             self.outputs.beeper.mark_reached(value)
+        else:
+            self.outputs.lights.mark_reached(value)
 
     def _heater_failed(self, _: str, fault: HeaterFault) -> None:
         """Called when a protection has switched a heater off. The policy of the heater decides what

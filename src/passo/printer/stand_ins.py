@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 FANS = ("fan_generic", "heater_fan", "controller_fan")
 HEATERS = ("heater_generic",)
 PINS = ("output_pin", "pwm_tool", "pwm_cycle_time")
+SERVOS = ("servo",)
+LIGHTS = ("neopixel", "dotstar", "led", "pca9533", "pca9632")
 FILAMENT_SENSORS = ("filament_switch_sensor", "filament_motion_sensor")
 
 

@@ -7,6 +7,7 @@ from enum import Enum
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
+from passo.config.lights import Color
 from passo.levelling.mesh import Mesh
 from passo.levelling.mesh_files import StoredMesh
 from passo.motion.axis_slots import E, X, Y, Z
@@ -455,6 +456,9 @@ class Status:
     cooled_c: dict[str, float] = field(default_factory=dict[str, float])
     outputs: dict[str, float] = field(default_factory=dict[str, float])
     fan_targets_c: dict[str, float] = field(default_factory=dict[str, float])
+    servos_us: dict[str, float] = field(default_factory=dict[str, float])
+    fan_rpm: dict[str, float | None] = field(default_factory=dict[str, float | None])
+    lights: dict[str, tuple[Color, ...]] = field(default_factory=dict[str, tuple[Color, ...]])
     sensors: dict[str, SensorStatus] = field(default_factory=dict[str, SensorStatus])
     filament_sensors: dict[str, FilamentSensorStatus] = field(
         default_factory=dict[str, FilamentSensorStatus]

@@ -35,11 +35,8 @@ class StatusReader:
     def __init__(self, control: Control, parts: MachineParts) -> None:
         self._control, self._rig, self._state = control, control.rig, control.state
         self._outputs, self._heat, self._levelling = parts.outputs, parts.heat, parts.levelling
-        self._offsets, self._inputs, self._sensors = (
-            parts.motion.offsets,
-            parts.inputs,
-            parts.sensors,
-        )
+        self._offsets, self._inputs = parts.motion.offsets, parts.inputs
+        self._sensors, self._tachometers = parts.sensors, parts.tachometers
         self._letters = axis_order(self._rig.machine.axes)
         self._moves_since_s: float | None = None
 
@@ -80,6 +77,10 @@ class StatusReader:
             advances=rig.commands.filters.advance_status(),
             cooled_c=dict(self._outputs.targets.cooled_c),
             outputs=self._output_values(),
+            servos_us=self._servo_widths(),
+            fan_rpm=self._tachometers.status(),
+            lights={n: tuple(c) for n, c in rig.commands.lights.colors.items()}
+            | self._outputs.lights.effects.shown,
             fan_targets_c=dict(rig.commands.fan_targets.targets_c),
             sensors=self._sensors.status(),
             filament_sensors=self._inputs.filament.status(),
@@ -96,6 +97,11 @@ class StatusReader:
         if not self._state.halted:
             return dict(values)
         return {name: self._rig.machine.outputs[name].at_halt for name in values}
+
+    def _servo_widths(self) -> dict[str, float]:
+        """The lengths of the pulses of the servos; a halted board sends none."""
+        widths = self._rig.commands.servos.widths_us
+        return dict.fromkeys(widths, 0.0) if self._state.halted else dict(widths)
 
     def _moving_s(self, state: PrinterState, now_s: float) -> float:
         """The print time since the machine began to print or move without a break; `now_s` is the

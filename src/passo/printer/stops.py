@@ -92,6 +92,8 @@ class Stops:
         self._rig.queue.stop()
         self._rig.commands.outputs.plan_forgotten()
         self._rig.commands.set_points.follow_tool()
+        self._outputs.lights.plan_forgotten()
+        self._rig.commands.lights.plan_forgotten(self._outputs.lights.shown)
         self._outputs.targets.plan_forgotten()
         self._outputs.beeper.forget()
         self._outputs.laser.off()

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from passo.job.live.button_actions import ButtonActions
+from passo.job.live.fan_faults import FanFaultPause
 from passo.job.live.filament_runout import FilamentRunout
 from passo.job.live.files import AUTOSTART, Files
 from passo.job.live.halt_reports import HaltReports
@@ -92,6 +93,7 @@ def build_jobs(
     host_pause, background = HostPause(control, parts), BackgroundGcode(control)
     by_event = PrintPause(control, runner, host_pause, background)
     FilamentRunout(control, parts.inputs.filament, runner, by_event, background)
+    FanFaultPause(control.state, parts.tachometers, by_event, background)
     ButtonActions(control, parts.inputs.buttons, runner, by_event, background)
     objects = PrintObjects(control.rig, control.dispatch, runner)
     journal = None

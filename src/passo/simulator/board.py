@@ -7,7 +7,14 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from passo import _core
-from passo.board.description import BoardDescription, I2cPins, UartPins, bare, inverted
+from passo.board.description import (
+    BoardDescription,
+    I2cPins,
+    SpiPins,
+    UartPins,
+    bare,
+    inverted,
+)
 from passo.simulator.dictionary import (
     ADC_MAX,
     PWM_MAX,
@@ -64,6 +71,7 @@ class SimulatedBoard:
         self.stalls = dict(self._add_stalls(plant))
         self.converters = dict(self._add_converters())
         self.accelerometers = list(self._add_accelerometers())
+        self.led_chips = dict(self._add_lights())
         self.digipots = [
             _core.add_digipot(self.device, *(self._pins[bare(pin)] for pin in setting.spi.pins))
             for setting in board.settings
@@ -182,6 +190,11 @@ class SimulatedBoard:
                 b.fan_loss if b.fan else 0.0,
             )
 
+        for rotor in plant.rotors:
+            self.device.add_rotor(
+                *(self._outputs[rotor.fan], self._counter_pin(rotor.counter)),
+                *(rotor.full_rpm / 60, rotor.time_constant_s, float(rotor.pulses)),
+            )
         for air in plant.airs:
             self.device.add_body(
                 *(_UNHEATED, self._sensors[air.sensor], air.ambient_c, 0.0, _AIR_S, _AIR_S),
@@ -304,6 +317,50 @@ class SimulatedBoard:
 
     def _input_pin(self, name: str) -> int:
         return self._pins[bare(next(i.pin for i in self.board.inputs if i.name == name))]
+
+    def _add_lights(self) -> Iterator[tuple[str, _core.LedChip]]:
+        """The chips that set LEDs, by the names of the lights."""
+        for light in self.board.lights:
+            if isinstance(light.wire, I2cPins):
+                clock, data = (self._pins[bare(pin)] for pin in light.wire.pins)
+                yield light.name, _core.add_led_chip(self.device, clock, data, light.wire.address)
+            elif isinstance(light.wire, SpiPins):
+                clock = self._pins[bare(light.wire.clock_pin)]
+                self.device.add_lights(self._light_pin(light.name), clock, light.count)
+            else:
+                self.device.add_lights(self._light_pin(light.name))
+
+    def _counter_pin(self, counter: str) -> int:
+        return self._pins[bare(next(c.pin for c in self.board.counters if c.name == counter))]
+
+    def force_rotor(self, counter: str, *, stalled: bool = False, silent: bool = False) -> None:
+        """Faults: the rotor of a fan does not turn, or its tachometer gives no pulses."""
+        self.device.force_rotor(self._counter_pin(counter), stalled, silent)
+
+    def rotor_rpm(self, counter: str) -> float:
+        """The revolutions per minute of a fan."""
+        return 60 * self.device.rotor_hz(self._counter_pin(counter))
+
+    def _light_pin(self, light: str) -> int:
+        wire = next(one.wire for one in self.board.lights if one.name == light)
+        assert not isinstance(wire, I2cPins)
+        return self._pins[bare(wire.mosi_pin if isinstance(wire, SpiPins) else wire)]
+
+    def light(self, light: str) -> bytes:
+        """The bytes that a chain of lights shows; none before its first frame."""
+        return self.device.lights(self._light_pin(light))
+
+    def trace_light(self, light: str) -> None:
+        """Records, from now on, the frames of a chain, for `take_light`."""
+        self.device.trace_lights(self._light_pin(light))
+
+    def take_light(self, light: str) -> list[tuple[int, bytes]]:
+        """(clock, bytes) of each frame since the last call."""
+        return self.device.take_lights(self._light_pin(light))
+
+    def fail_light(self, light: str, frames: int) -> None:
+        """A fault: the board cannot send so many of the next frames in time."""
+        self.device.fail_lights(self._light_pin(light), frames)
 
     def force_heater(self, sensor: str, power: float | None) -> None:
         """A fault: the heater of this sensor has this power, 0 to 1, independent of its pin; None

@@ -22,6 +22,7 @@ _INPUTS = {
     "button": {"pressed": True, "released": False},
 }
 _CABLE = (NO_FAULT, "cut", "noise")
+_FAN = (NO_FAULT, "stalled", "silent")
 _BED = (NO_FAULT, "tilted")
 _TILT_MM = 1.0  # over the width of the bed
 _SENSOR_NOISE = 0.05  # maximum, as a fraction of the ADC's full scale, in both directions
@@ -54,6 +55,8 @@ class SimulatedFaults:
             levels = _INPUTS[entry.name.partition("-")[0]]
             values = (NO_FAULT, *levels, _FLICKERS)
             self._add(entry.name, values, self._input_setter(entry.name, levels))
+        for counter in board.counters:
+            self._add(f"{counter.name}-fan", _FAN, self._fan_setter(counter.name))
         for name in machine.boards:
             self._add(f"{name}-cable" if name else "cable", _CABLE, self._cable_setter(name))
 
@@ -128,6 +131,11 @@ class SimulatedFaults:
                 self._machine.force_input(name, levels.get(fault))
 
         return set_fault
+
+    def _fan_setter(self, counter: str) -> Callable[[str, float | None], None]:
+        return lambda fault, _: self._machine.force_rotor(
+            counter, stalled=fault == "stalled", silent=fault == "silent"
+        )
 
     def _set_bed(self, fault: str, _: float | None) -> None:
         self._machine.tilt_bed(_TILT_MM if fault == "tilted" else 0.0)

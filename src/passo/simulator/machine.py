@@ -53,7 +53,9 @@ class SimulatedMachine:
         self._own: dict[tuple[str, str], SimulatedBoard] = {}
         for number, (name, board) in enumerate(boards.items()):
             board.feel(boards.values())
-            for part in ("steppers", "outputs", "sensors", "endstops", "inputs"):
+            for part in (
+                *("steppers", "outputs", "sensors", "endstops", "inputs", "counters", "lights"),
+            ):
                 for entry in getattr(board.board, part):
                     self._own[part, entry.name] = board
             clock = (clocks or {}).get(name)
@@ -131,6 +133,35 @@ class SimulatedMachine:
     def flicker(self, name: str) -> None:
         """A fault: the level of the input changes every 5 ms, until `force_input`."""
         self._of("inputs", name).flicker(name)
+
+    def force_rotor(self, counter: str, *, stalled: bool = False, silent: bool = False) -> None:
+        """Faults: the rotor of a fan does not turn, or its tachometer gives no pulses."""
+        self._of("counters", counter).force_rotor(counter, stalled=stalled, silent=silent)
+
+    def rotor_rpm(self, counter: str) -> float:
+        """The revolutions per minute of a fan."""
+        return self._of("counters", counter).rotor_rpm(counter)
+
+    def light(self, light: str) -> bytes:
+        """The bytes that a chain of lights shows; none before its first frame."""
+        return self._of("lights", light).light(light)
+
+    def led_chip(self, light: str) -> _core.LedChip:
+        """The chip that sets the LEDs of a light."""
+        return self._of("lights", light).led_chips[light]
+
+    def trace_light(self, light: str) -> None:
+        """Records, from now on, the frames of a chain, for `take_light`."""
+        self._of("lights", light).trace_light(light)
+
+    def take_light(self, light: str) -> list[tuple[int, bytes]]:
+        """(clock of the main board, bytes) of each frame since the last call."""
+        board = self._of("lights", light)
+        return [(self._main_clock(board, clock), data) for clock, data in board.take_light(light)]
+
+    def fail_light(self, light: str, frames: int) -> None:
+        """A fault: the board cannot send so many of the next frames in time."""
+        self._of("lights", light).fail_light(light, frames)
 
     def spoil_probe(
         self,

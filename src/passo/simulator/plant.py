@@ -86,6 +86,18 @@ class Air:
     ambient_c: float
 
 
+@dataclass(frozen=True, slots=True)
+class Rotor:
+    """The rotor of the fan on the output `fan`, whose tachometer is on the counter `counter`. Its
+    speed tends to `full_rpm` · power with `time_constant_s`."""
+
+    counter: str
+    fan: str
+    full_rpm: float
+    pulses: int
+    time_constant_s: float = 0.5
+
+
 Area = tuple[float, float, float, float]
 
 
@@ -163,4 +175,5 @@ class PlantDescription:
     stall_pins: tuple[StallPin, ...] = ()
     bodies: tuple[Body, ...] = ()
     airs: tuple[Air, ...] = ()
+    rotors: tuple[Rotor, ...] = ()
     probe: BedProbe | None = None

@@ -84,6 +84,11 @@ COMMANDS = {
             " acknowledgement."
         ),
         "buttons_ack": "The number of states that have arrived.",
+        "config_counter": "An input whose edges are counted: a tachometer.",
+        "query_counter": (
+            "Samples it from `clock` on every `poll_ticks`, and reports the count every"
+            " `sample_ticks`; `poll_ticks` 0: stops."
+        ),
     },
     "Buses and drivers": {
         "config_spi": "A device with a select pin.",
@@ -97,6 +102,15 @@ COMMANDS = {
         "i2c_transfer": "Writes bytes, then reads so many; asks for the result.",
         "config_tmcuart": "The one-wire line of Trinamic's drivers.",
         "tmcuart_send": "Sends a datagram, and asks for an answer of so many bytes.",
+        "config_neopixel": (
+            "A chain of lights on one wire, of at most 500 bytes. The line rests for at least"
+            " `reset_min_ticks` before a frame."
+        ),
+        "neopixel_update": "Changes bytes of the next frame.",
+        "neopixel_send": (
+            "Sends a frame, and asks for the result. A bit that takes more than `bit_max_ticks`"
+            " ends the frame; interrupts are off only during the pulse of each bit."
+        ),
     },
     "Surviving a lost link": {
         "survive_arm": "On; the machine rests.",
@@ -118,8 +132,6 @@ LACKING = {
     "invert_step=-1 of config_stepper, STEPPER_STEP_BOTH_EDGE": "Steps at both edges.",
     "spi_set_bus, i2c_set_bus": "Buses of the chip's hardware: they are made on any pins.",
     "i2c_read, i2c_write": "The older words for `i2c_transfer`, of images for older hosts.",
-    "config_neopixel, neopixel_update, neopixel_send": "Lights on one wire.",
-    "config_counter, query_counter": "Tachometers.",
     "debug_read, debug_write": "Looks into the chip's memory, and changes of it.",
     "config_hd44780, config_st7920 and their further words": "Displays.",
     "config_mpu9250, config_hx71x and all other sensors with bulk data": (
@@ -146,6 +158,8 @@ REPORTS = {
     "thermocouple_result": "What a converter said, and whether it sees a fault.",
     "sensor_bulk_data": "A block of samples of an accelerometer, numbered.",
     "sensor_bulk_status": "The next block's number, the bytes not sent yet, and the clock of this.",
+    "counter_state": "The count, the clock of its last change, and when it is reported next.",
+    "neopixel_result": "Whether the whole frame was sent in time.",
     "buttons_state": "The inputs as they changed, one byte each time.",
     "spi_transfer_response": "What came back.",
     "i2c_response": "The bytes that were read, or the reason why not.",

@@ -1054,6 +1054,9 @@ export interface Status {
   cooled_c: Record<string, number>;
   outputs: Record<string, number>;
   fan_targets_c: Record<string, number>;
+  servos_us: Record<string, number>;
+  fan_rpm: Record<string, number | null>;
+  lights: Record<string, [number, number, number, number][]>;
   sensors: Record<string, SensorStatus>;
   filament_sensors: Record<string, FilamentSensorStatus>;
   buttons: Record<string, boolean>;

@@ -17,7 +17,7 @@ from passo.config.shown_sensors import ChipSensor, CombinedSensor, HostSensor
 from passo.config.thermistor import ZERO_C
 
 if TYPE_CHECKING:
-    from passo.config.electronics import Thermostat
+    from passo.config.electronics import Tachometer, Thermostat
     from passo.config.exporting.cfg import Cfg
     from passo.config.heat import Heater
     from passo.config.sensors import AnySensor
@@ -143,6 +143,15 @@ def put_shown_sensor(cfg: Cfg, name: str, section: str) -> None:
     cfg.put(section, min_temp=low, max_temp=high, gcode_id=shown.letter)
 
 
+def _put_tachometer(cfg: Cfg, section: str, tachometer: Tachometer) -> None:
+    cfg.put(
+        section,
+        tachometer_pin=cfg.pin(tachometer.pin),
+        tachometer_ppr=tachometer.pulses,
+        tachometer_poll_interval=tachometer.poll_ms / 1000,
+    )
+
+
 def _put_thermostat(cfg: Cfg, section: str, kept: Thermostat) -> None:
     put_shown_sensor(cfg, kept.sensor, section)
     shown = cfg.machine.sensors[kept.sensor]
@@ -173,6 +182,8 @@ def _put_fans(cfg: Cfg, heaters: dict[str, str]) -> None:
             cfg.put(section, heater=", ".join(named) or None, idle_speed=fan.idle_power)
             own = ", ".join(cfg.motors[motor] for motor in moved if motor in cfg.motors)
             cfg.put(section, stepper=own, idle_timeout=int(fan.stays_on_s))
+        if fan.tachometer is not None:
+            _put_tachometer(cfg, section, fan.tachometer)
         cfg.put(
             section,
             pin=cfg.output(f"{name}-fan", fan.pin, fan.further_pins),

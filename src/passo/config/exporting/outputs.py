@@ -5,11 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from passo.config.exporting.heat import put_shown_sensor
-from passo.config.klipper_names import temperature_object
+from passo.config.klipper_names import light_object, temperature_object
+from passo.config.lights import LIGHT_PINS, Dotstar, Led, LedChip, Neopixel, start_color
 
 if TYPE_CHECKING:
     from passo.config.exporting.cfg import Cfg
+    from passo.config.lights import Framed
     from passo.config.outputs import Output
+
+_I2C_PINS = {"scl_pin": "i2c_software_scl_pin", "sda_pin": "i2c_software_sda_pin"}
 
 
 def put_outputs(cfg: Cfg) -> None:
@@ -21,10 +25,40 @@ def put_outputs(cfg: Cfg) -> None:
             cfg.put(f"static_digital_output {name}", pins=pin)
         else:
             _put_output(cfg, name, output)
+    for name, servo in cfg.machine.servos.items():
+        cfg.put(
+            f"servo {name}",
+            pin=cfg.pin(servo.pin),
+            minimum_pulse_width=servo.min_pulse_us / 1e6,
+            maximum_pulse_width=servo.max_pulse_us / 1e6,
+            maximum_servo_angle=servo.max_deg,
+            initial_angle=servo.start_deg,
+        )
+    for name, light in cfg.machine.lights.items():
+        _put_light(cfg, name, light)
     for name in cfg.machine.sensors:
         section = temperature_object(cfg.machine, name)
         if section not in cfg.sections:  # that of a fan has its sensor
             put_shown_sensor(cfg, name, section)
+
+
+def _put_light(cfg: Cfg, name: str, light: Framed | Led) -> None:
+    section = light_object(cfg.machine, name)
+    for key in LIGHT_PINS:
+        if pin := getattr(light, key, None):
+            cfg.put(section, **{_I2C_PINS.get(key, key): cfg.pin(pin)})
+    if isinstance(light, Neopixel | Dotstar):
+        cfg.put(section, chain_count=light.count)
+    if isinstance(light, Neopixel | LedChip):
+        cfg.put(section, color_order=light.order)
+    if isinstance(light, LedChip):
+        cfg.put(section, i2c_address=light.address)
+    if isinstance(light, Led):
+        hardware = True if light.pwm == "hardware" else None
+        cfg.put(section, cycle_time=1 / light.pwm_hz, hardware_pwm=hardware)
+    for color, share in zip(("RED", "GREEN", "BLUE", "WHITE"), start_color(light), strict=True):
+        if share:
+            cfg.put(section, **{f"initial_{color}": share})
 
 
 def _put_output(cfg: Cfg, name: str, output: Output) -> None:

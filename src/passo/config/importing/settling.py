@@ -33,6 +33,7 @@ _PARTS = (
     _Part(("macros", _ANY)),
     _Part(("delayed_gcode", _ANY)),
     _Part(("heaters", _ANY), ("kind", "pin", "sensor_pin", "sensor", "min_c", "max_c")),
+    _Part(("fans", _ANY, "tachometer")),
     _Part(
         ("fans", _ANY),
         (
@@ -48,6 +49,9 @@ _PARTS = (
     _Part(("filament_sensors", _ANY), ("pin", "kind", "extruder")),
     _Part(("buttons", _ANY), ("pin",)),
     _Part(("outputs", _ANY)),
+    _Part(("lights", _ANY)),
+    _Part(("light_effects", _ANY)),
+    _Part(("servos", _ANY)),
     _Part(("sensors", _ANY), ("sensor", "sensor_pin", "min_c", "max_c")),
     _Part(("shaping", _ANY)),
     _Part(("steppers", _ANY, "tmc")),
@@ -96,6 +100,9 @@ _CLAMPED = (
     "heaters",
     "fans",
     "outputs",
+    "lights",
+    "light_effects",
+    "servos",
     "sensors",
     "filament_sensors",
     "buttons",

@@ -52,6 +52,8 @@ _KINDS: Mapping[str, StandIn] = {
     "neopixel": _LIGHT,
     "dotstar": _LIGHT,
     "led": _LIGHT,
+    "pca9533": _LIGHT,
+    "pca9632": _LIGHT,
     "gcode_button": StandIn({"state": "RELEASED"}, "that the button is released"),
     "filament_switch_sensor": _FILAMENT,
     "filament_motion_sensor": _FILAMENT,

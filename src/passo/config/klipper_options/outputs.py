@@ -58,6 +58,13 @@ OUTPUTS: Mapping[str, Options] = {
         flag("hardware_pwm", default=False),
         *_COLOUR,
     ),
+    "pca9632": (
+        whole("i2c_address", 98),
+        text("i2c_software_scl_pin"),
+        text("i2c_software_sda_pin"),
+        text("color_order", "RGBW"),
+        *_COLOUR,
+    ),
     "gcode_button": (
         text("pin"),
         text("analog_range"),

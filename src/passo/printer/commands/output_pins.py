@@ -8,10 +8,10 @@ from passo.config.part_names import found_name
 from passo.errors import CommandError
 from passo.gcode.parameters import ignored, integer, number, rest, text
 from passo.gcode.registry import Subject, When, command
+from passo.printer.commands.lacking import report_lack
 from passo.printer.commands.ranges import beyond
 from passo.printer.skipped_commands import SkippedCommand
 from passo.printer.stand_ins import PINS
-from passo.printer.wait_requests import without_effect
 
 if TYPE_CHECKING:
     from passo import _core
@@ -86,7 +86,7 @@ class OutputPins:
                 "command.value", axis="PIN", value=written or "missing", limit=limit
             )
         else:
-            self._lacks(command, reply)
+            report_lack(self._job, command, reply, _LACKS)
 
     @command(
         "M42",
@@ -124,7 +124,7 @@ class OutputPins:
     def _set_light(self, command: Command, reply: Reply) -> None:
         words = command.words()
         if self._light is None:
-            self._lacks(command, reply)
+            report_lack(self._job, command, reply, _LACKS)
             return
         if "P" in words:
             self._brightness = min(max(words["P"] / _FULL, 0.0), 1.0)
@@ -150,7 +150,7 @@ class OutputPins:
     )
     def _trigger(self, command: Command, reply: Reply) -> None:
         if self._camera is None:
-            self._lacks(command, reply)
+            report_lack(self._job, command, reply, _LACKS)
             return
         full = self._all[self._camera].scale
         lines = [
@@ -159,11 +159,3 @@ class OutputPins:
             f"SET_PIN PIN={self._camera} VALUE=0",
         ]
         self._job.program.insert("".join(f"{line}\n" for line in lines).encode())
-
-    def _lacks(self, command: Command, reply: Reply) -> None:
-        """Reports that the machine lacks the output. Macros, which are written for other printers,
-        continue."""
-        if self._job.program.macro_depth:
-            reply.note(command.code, without_effect(command.code, _LACKS))
-        else:
-            reply.no_part(command.code, _LACKS)

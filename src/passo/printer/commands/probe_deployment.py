@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
-from passo.gcode.parameters import choice, ignored, integer, number
+from passo.gcode.parameters import choice, ignored
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.motion.probing import Prober
 from passo.printer.commands.probing import NO_PROBE
 from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
 from passo.probes.bltouch import COMMANDS, BLTouch
 
-_NO_SERVO = "The probe of this machine has no servo."
 _PULSES_S = 0.7
-_SHORTEST_US, _LONGEST_US = 500.0, 2500.0
 
 
 class ProbeDeploymentCommands:
@@ -62,24 +60,6 @@ class ProbeDeploymentCommands:
     )
     def _stow(self, _: Command, __: Reply) -> Wait | None:
         return WaitForProcedure(self._prober.stow)
-
-    @command(
-        "M280",
-        Subject.LEVELLING,
-        When.EXCLUSIVE,
-        "Turns the servo of the probe (P0) to an angle; 10 to 160 are commands of a BLTouch. S of"
-        " 544 or more is the length of the pulses.",
-        integer("P", "the servo, that of the probe", 0, 0),
-        number("S", "the angle, or from 544 on the length of the pulses in µs", "°", required=True),
-        kind=Kind.SERVED,
-        lacks=_NO_SERVO,
-    )
-    def _servo(self, command: Command, _: Reply) -> Wait | None:
-        given, probe = command.value("S"), self._prober.carried
-        width_us = given if given >= probe.width_us(0) else probe.width_us(given)
-        if not _SHORTEST_US <= width_us <= _LONGEST_US:
-            raise CommandError.bad_value("S", given, "0 to 180° or 544 to 2500 µs")
-        return self._pulse(width_us)
 
     @command(
         "BLTOUCH_DEBUG",

@@ -13,6 +13,7 @@ from passo.gcode.registry import Kind, Role, commands_of, row_of
 from passo.printer.commands.backlash import BacklashCommands
 from passo.printer.commands.fan_targets import FanTargets
 from passo.printer.commands.klipper_commands import KlipperCommands
+from passo.printer.commands.lights import Lights, LightSink, NoLights
 from passo.printer.commands.limits import Limits
 from passo.printer.commands.motion_filters import MotionFilters
 from passo.printer.commands.not_yet import NotYet
@@ -20,6 +21,7 @@ from passo.printer.commands.output_pins import OutputPins
 from passo.printer.commands.outputs import Outputs
 from passo.printer.commands.plan import Plan, PlanAhead
 from passo.printer.commands.program_flow import ProgramFlow, by_interpreter
+from passo.printer.commands.servos import Servos
 from passo.printer.commands.set_points import Heat, NoHeat, SetPoints
 from passo.printer.commands.speed_and_flow import SpeedAndFlow
 from passo.printer.commands.stand_ins import StandInCommands
@@ -52,6 +54,8 @@ _PARTS = {
     "set_points": SetPoints,
     "outputs": Outputs,
     "pins": OutputPins,
+    "lights": Lights,
+    "servos": Servos,
     "fan_targets": FanTargets,
     "limits": Limits,
     "filters": MotionFilters,
@@ -123,12 +127,13 @@ class Commands:
         macros: Macros | None = None,
         status: Callable[[], Status] | None = None,
         probing: Probing | None = None,
+        lights: LightSink | None = None,
         left_out: frozenset[str] = frozenset(),
     ) -> None:
         """`full_scale` has the value for fully on of each timed output. `plan` decides which
         planned moves commands may change; by default none. `macros` and `status` are those of a
-        printer; by default the job has its own. `probing` measures the bed for a plan. The commands
-        `left_out` have no effect."""
+        printer; by default the job has its own. `probing` measures the bed for a plan. `lights`
+        show frames; by default none does. The commands `left_out` have no effect."""
         self._machine, self._job = machine, job
         self._status, self._probing, self._left_out = status, probing, left_out
         plan = plan or PlanAhead(job)
@@ -148,6 +153,10 @@ class Commands:
         self.stand_ins = StandInCommands(machine, stand_ins, self.omitted)
         self.fan_targets = FanTargets(machine)
         self.pins = OutputPins(machine, job, self.outputs, stand_ins, self.omitted)
+        self.lights = Lights(
+            machine, job, self.outputs, lights or NoLights(), stand_ins, self.omitted
+        )
+        self.servos = Servos(machine, job, self.outputs, stand_ins, self.omitted)
         self.file: PlannedFile | None = None  # the file of a plan
 
     def run(self, command: Command, reply: Reply | None = None) -> Wait | None:
@@ -226,6 +235,8 @@ class Commands:
             shapers=self.filters.shaper_status(),
             advances=self.filters.advance_status(),
             fan_targets_c=dict(self.fan_targets.targets_c),
+            servos_us=dict(self.servos.widths_us),
+            lights={name: tuple(colors) for name, colors in self.lights.colors.items()},
             filament_sensors=self.stand_ins.filament_sensors,
             buttons=dict.fromkeys(self._machine.buttons, False),
         )

@@ -1,4 +1,4 @@
-"""Klipper's objects of heaters and fans."""
+"""Klipper's objects of heaters, fans, outputs and sensors."""
 
 from __future__ import annotations
 
@@ -37,8 +37,9 @@ def extruder(status: Status, name: str, number: int | None) -> Object:
 
 
 def fan(status: Status, name: str) -> Object:
-    """A fan; its speed is a fraction of full speed."""
-    return {"speed": status.fans.get(name, 0.0), "rpm": None}
+    """A fan; its speed is a fraction of full speed, its rpm None without a tachometer."""
+    rpm = status.fan_rpm.get(name)
+    return {"speed": status.fans.get(name, 0.0), "rpm": None if rpm is None else round(rpm, 1)}
 
 
 def temperature_fan(machine: MachineConfig, status: Status, name: str) -> Object:
@@ -52,6 +53,11 @@ def temperature_fan(machine: MachineConfig, status: Status, name: str) -> Object
 def output_pin(status: Status, name: str) -> Object:
     """An output; its value is a fraction of fully on."""
     return {"value": status.outputs[name]}
+
+
+def light(status: Status, name: str) -> Object:
+    """The colours of a light's LEDs: red, green, blue and white, 0 to 1."""
+    return {"color_data": [list(color) for color in status.lights[name]]}
 
 
 def temperature_sensor(status: Status, name: str) -> Object:

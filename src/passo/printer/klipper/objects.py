@@ -10,11 +10,13 @@ from passo.config.klipper_names import (
     driver_object,
     fan_object,
     heater_object,
+    light_object,
     number_of,
     sensor_object,
     stepper_object,
     temperature_object,
 )
+from passo.config.servos import share_of
 from passo.printer.klipper.bed import bed_mesh, levelled, manual_probe, probe, screws_tilt_adjust
 from passo.printer.klipper.configfile import configfile
 from passo.printer.klipper.heat import (
@@ -22,6 +24,7 @@ from passo.printer.klipper.heat import (
     fan,
     heater,
     heaters,
+    light,
     output_pin,
     temperature_fan,
     temperature_sensor,
@@ -105,6 +108,10 @@ def objects(
         )
     for name in status.outputs:
         found[f"output_pin {name}"] = lambda name=name: output_pin(status, name)
+    for name, width_us in status.servos_us.items():
+        found[f"servo {name}"] = lambda us=width_us: {"value": share_of(us)}
+    for name in status.lights:
+        found[light_object(machine, name)] = lambda name=name: light(status, name)
     for name in status.sensors:
         shown = temperature_object(machine, name)
         if shown not in found:  # that of a fan shows its sensor

@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from passo.board.description import Kick, Output, bare
+from passo.config.lights import Led, led_outputs
 from passo.config.outputs import first_name, timed_name
 from passo.config.pin_names import named_on, placed
-from passo.config.probing import SERVO, SERVO_CYCLE_S
+from passo.config.probing import SERVO
+from passo.config.servos import SERVO_CYCLE_S, servo_output
 from passo.printer.commands.beeper import most_ticks
 from passo.printer.setup.drivers import microstep_outputs
 
@@ -57,10 +59,15 @@ def output_of(machine: MachineConfig, name: str, written: str, clock_hz: int) ->
     if name == "beeper":
         config = machine.all_boards[placed(written)[0]]
         return Output(name, pin, "digital", round(clock_hz / 1000), most_ticks(config))
-    if name == SERVO:
+    if name == SERVO or name in map(servo_output, machine.servos):
         return Output(name, pin, "digital", round(clock_hz * SERVO_CYCLE_S))
     if name.startswith("status-led"):
         return Output(name, pin, cycle_ticks=clock_hz, blinks=True)
+    for lamp, light in machine.lights.items():
+        if isinstance(light, Led) and name in led_outputs(lamp, light):
+            hardware = light.pwm == "hardware"
+            kind = "pwm" if hardware else "digital"
+            return Output(name, pin, kind, round(clock_hz / light.pwm_hz))
     free = {timed_name(part): output for part, output in machine.outputs.items()}.get(own)
     return Output(name, pin, "digital") if free is None else _free(name, pin, free, clock_hz)
 

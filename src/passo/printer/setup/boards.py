@@ -5,12 +5,13 @@ from __future__ import annotations
 from math import ceil
 from typing import TYPE_CHECKING, Any
 
-from passo.board.description import BoardDescription, Endstop, Heater, Input, Stepper
+from passo.board.description import BoardDescription, Counter, Endstop, Heater, Input, Stepper
 from passo.config.pin_names import MAIN, placed
 from passo.heat.control import arrival_of, control_of, limits_of, model_of
 from passo.motion.endstops import endstop_pins, inputs
 from passo.printer.setup.board_outputs import output_of, outputs_of
 from passo.printer.setup.drivers import accelerometers, current_settings, drivers
+from passo.printer.setup.lights import lights_of
 from passo.printer.setup.sensors import sensor_of, shown_sensors
 
 if TYPE_CHECKING:
@@ -56,6 +57,12 @@ def board_description(machine: MachineConfig, board: str = MAIN) -> BoardDescrip
             for name, pin in machine.input_pins.items()
             if placed(pin)[0] == board
         ),
+        counters=tuple(
+            Counter(name, machine.pin(tachometer.pin), tachometer.poll_ms / 1000)
+            for name, fan in machine.fans.items()
+            if (tachometer := fan.tachometer) and placed(tachometer.pin)[0] == board
+        ),
+        lights=tuple(lights_of(machine, board)),
         move_count=config.move_count,
         mcu=config.mcu,
         survives=config.survives,

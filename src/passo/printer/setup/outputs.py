@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from passo.printer.commands.beeper import Beeper
 from passo.printer.commands.motors import Motors
 from passo.printer.commands.power_supply import PowerSupply
 from passo.printer.laser import Laser
+from passo.printer.lights import LightFrames
 from passo.printer.live_rig import LiveRig
 from passo.printer.power import Power
 from passo.printer.state import State
@@ -24,11 +26,13 @@ class Outputs:
     targets: Targets
     power_supply: PowerSupply
     beeper: Beeper
+    lights: LightFrames
     handlers: list[object]  # the parts that handle commands
 
 
-def build_outputs(rig: LiveRig, state: State) -> Outputs:
-    """Builds the outputs, before the boards are connected."""
+def build_outputs(rig: LiveRig, state: State, progress: Callable[[], float | None]) -> Outputs:
+    """Builds the outputs, before the boards are connected. `progress` gives the fraction of the
+    print that is done."""
     power, laser = Power(), Laser(rig, state)
     motors, targets = Motors(rig, laser), Targets(rig, power)
     supply = PowerSupply(rig, power, laser, motors, targets)
@@ -36,4 +40,5 @@ def build_outputs(rig: LiveRig, state: State) -> Outputs:
     handlers: list[object] = [supply, motors]
     if rig.machine.beeper is not None:
         handlers.append(beeper)
-    return Outputs(power, laser, motors, targets, supply, beeper, handlers)
+    lights = LightFrames(rig, state, progress)
+    return Outputs(power, laser, motors, targets, supply, beeper, lights, handlers)

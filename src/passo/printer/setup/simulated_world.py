@@ -53,6 +53,7 @@ def simulated_board(
         Air,
         Body,
         PlantDescription,
+        Rotor,
         SimulatedBoard,
         StallPin,
         TravelStop,
@@ -94,6 +95,11 @@ def simulated_board(
             for simulated in (machine.heaters[heater.name].simulated,)
         ),
         airs=tuple(Air(s.name, machine.sensors[s.name].ambient_c) for s in board.shown),
+        rotors=tuple(
+            Rotor(name, machine.fan_output(name), tachometer.simulated_rpm, tachometer.pulses)
+            for name in (counter.name for counter in board.counters)
+            if (tachometer := machine.fans[name].tachometer)
+        ),
         probe=_bed_probe(machine) if PROBE in own else None,
         inputs=tuple(i for i in _input_switches(machine) if i.name in wired),
     )

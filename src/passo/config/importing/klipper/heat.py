@@ -190,6 +190,12 @@ def _put_fan(job: Import, section: Section, path: KeyPath) -> None:
         job.put(kind, section, name=name)
     else:
         job.put("fan_kick", section, name=name)
+    if (*path, "tachometer", "pin") in job.draft.keys:
+        tachometer = (*path, "tachometer")
+        poll, poll_s = "tachometer_poll_interval", section.number("tachometer_poll_interval")
+        pulses = section.number("tachometer_ppr")
+        job.put_value((*tachometer, "pulses"), section, "tachometer_ppr", pulses and int(pulses))
+        job.put_value((*tachometer, "poll_ms"), section, poll, poll_s and poll_s * 1000)
     if kind == "heater_fan":
         heaters = [h.strip() for h in section.text("heater", "extruder").split(",")]
         follows = job.heater(section, "heater", heaters[0])

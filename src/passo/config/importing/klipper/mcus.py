@@ -32,7 +32,7 @@ _UNKNOWN = (
 
 _ON_BOARDS = (
     *("steppers", "heaters", "fans", "homing", "probe", "accelerometer"),
-    *("filament_sensors", "buttons", "outputs", "sensors"),
+    *("filament_sensors", "buttons", "outputs", "lights", "servos", "sensors"),
 )
 
 

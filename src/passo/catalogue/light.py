@@ -1,0 +1,17 @@
+"""Errors of lights."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from passo.catalogue.entry import Entry, ExitStatus
+
+LIGHT: Mapping[str, Entry] = {
+    "light.late": Entry(
+        "board",
+        "light {axis}: the board could not send a frame in 8 attempts, because a bit took longer"
+        " than 4 µs",
+        "Put the light on a board with fewer motors, or shorten its chain",
+        ExitStatus.MACHINE_FAULT,
+    ),
+}
