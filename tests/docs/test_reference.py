@@ -156,5 +156,5 @@ def test_missing_klipper_messages_are_named():
     lacking = {message_name(text) for text in told["commands"]} - ours
     named = set(re.findall(r"\w+", " ".join(protocol_words.LACKING)))
     assert lacking == named & {message_name(text) for text in told["commands"]} - {"config_stepper"}
-    assert {"spi_set_bus", "i2c_set_bus", "debug_read", "config_neopixel"} <= lacking
+    assert {"spi_set_bus", "i2c_set_bus", "debug_read"} <= lacking
     assert not named & (ours - {"config_stepper"})

@@ -192,7 +192,9 @@ def test_commands_of_a_bltouch():
         assert "S is 300: expected 0 to 180° or 544 to 2500 us" in answers(s, "M280 P0 S300")[0]
         assert "COMMAND is up: expected pin_down" in answers(s, "BLTOUCH_DEBUG COMMAND=up")[0]
     with homed("nozzle") as s:
-        assert "M280 needs a probe with a servo" in answers(s, "M280 P0 S10")[0]
+        assert (
+            "neither a servo with a number nor a probe with a servo" in answers(s, "M280 P0 S10")[0]
+        )
 
 
 def test_probe_is_stowed_when_the_boards_start():

@@ -180,6 +180,9 @@ SHUTDOWNS = {
     "SLOTS_EXHAUSTED": "the host sent more moves than there are slots",
     "STEP_TOO_LATE": "a motor's first step has come after its time",
     "COUNT_ZERO": "a move of no step",
+    "NEOPIXEL_SIZE": "a chain of lights has more than 500 bytes",
+    "NEOPIXEL_PIN": "the pin of a chain of lights cannot be an output",
+    "NEOPIXEL_UPDATE": "bytes after the end of a chain of lights",
     "STEPPER_ACTIVE": "",
     "STEPPER_PINS": "a pin cannot do it, a pulse would be longer than 30 µs, or there are too many"
     " motors that the image was not built for: with other pins, or with long pulses",
