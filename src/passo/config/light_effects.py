@@ -29,10 +29,10 @@ class LightEffect(Model):
     kind: EffectKind
     """What the LEDs do. `steady`: they have the first colour. `breathing`: each colour gets
     brighter and darker, one after the other. `blink`: the colours by turns; one colour is on for
-    half of the time. `gradient`: the colours pass along the LEDs. `chase`: one LED with a tail runs along the
-    others. `fire`: the LEDs flicker between the colours. `heater`: from the first colour to the
-    last as the heater gets warmer. `progress`: the fraction of the LEDs that the print has done has
-    the first colour, the others the second."""
+    half of the time. `gradient`: the colours pass along the LEDs. `chase`: one LED with a tail runs
+    along the others. `fire`: the LEDs flicker between the colours. `heater`: from the first colour
+    to the last as the heater gets warmer. `progress`: the fraction of the LEDs that the print has
+    done has the first colour, the others the second."""
     colors: list[_Color] = [[1.0, 1.0, 1.0]]
     """Colours: red, green, blue and perhaps white, as fractions of full brightness."""
     period_s: Annotated[float, Field(ge=0.2, le=3600)] = 3.0
