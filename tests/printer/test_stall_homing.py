@@ -4,9 +4,17 @@ import re
 
 import pytest
 from tests.support.scenario import Scenario
-from tests.support.stall_machine import belts_machine, silent_machine, silent_text, spi_machine
+from tests.support.stall_machine import (
+    belts_machine,
+    homing,
+    silent_machine,
+    silent_text,
+    spi_machine,
+    with_table,
+)
 
 from passo import config
+from passo.config.load import shipped_text
 from passo.errors import ConfigError
 from passo.job.batch.simulated_print import Print
 
@@ -209,3 +217,31 @@ def test_klippers_words_for_current_and_threshold_apply_to_homing():
         s.host.ok("SET_TMC_FIELD STEPPER=stepper_x FIELD=SGTHRS VALUE=200")
         assert "detected a stall after" in homed(s)[0]
         assert s.host.ok("M914")[0] == "X homing sensitivity: 200"
+
+
+def test_motors_of_crossed_belts_have_klippers_names():
+    with Scenario(belts_machine()) as s:
+        s.host.ok("SET_TMC_CURRENT STEPPER=stepper_x CURRENT=0.5")
+        s.host.ok("SET_TMC_CURRENT STEPPER=stepper_b CURRENT=0.6")
+        s.passes(1)
+        assert (irun(s, "a"), irun(s, "b")) == (15, 19)
+
+
+def test_towers_home_by_stalls_all_or_none():
+    table = homing(60, home="a").replace('"min"', '"max"').replace("0.0", "318.0", 1)
+    text = with_table(shipped_text("delta"), "homing.a", table)
+    with pytest.raises(ConfigError, match="a stall detection of all arms or of none"):
+        config.load_text(text, "delta.toml")
+
+
+def test_belts_need_their_stall_detection_on_one_board():
+    text = shipped_text("corexy")
+    for motor, board in (("a", ""), ("b", "tool:")):
+        pins = f'uart_pin = "{board}D40", diag_pin = "{board}X_MIN"'
+        text = text.replace(
+            f"[steppers.{motor}]", f"[steppers.{motor}]\ntmc = {{ run_current_a = 0.8, {pins} }}"
+        )
+    text = text.replace('socket = "Y"', 'socket = "tool:Y"')
+    text = with_table(text, "homing.x", homing(60)) + '\n[boards.tool]\nbase = "ramps"\n'
+    with pytest.raises(ConfigError, match="motors with stall detection on one board"):
+        config.load_text(text, "belts.toml")

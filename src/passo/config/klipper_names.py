@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from passo.config.heater_numbers import heater_of
@@ -90,9 +91,19 @@ def board_object(name: str) -> str:
     return "mcu" if name == "main" else f"mcu {name}"
 
 
-def stepper_object(name: str) -> str:
-    """Klipper's name for a motor: extruders by their tools, others by the name in the machine
-    file."""
+def stepper_object(machine: MachineConfig, name: str) -> str:
+    """Klipper's name for a motor: extruders by their tools, motors of crossed belts by the axis
+    with their number, others by the name in the machine file."""
     if name[:1] == "e" and (number := name[1:] or "0").isdigit():
         return extruder_object(int(number))
+    stem, actuators = name.rstrip("0123456789"), machine.geometry.actuators
+    if not machine.geometry.arms and stem in actuators:
+        return f"stepper_{'xyz'[actuators.index(stem)]}{name.removeprefix(stem)}"
     return f"stepper_{name}"
+
+
+def motors_by_name(machine: MachineConfig, motors: Iterable[str]) -> dict[str, str]:
+    """These motors by all their names: Klipper's, and those of the machine file."""
+    motors = list(motors)
+    named = {f"stepper_{name}": name for name in motors} | {name: name for name in motors}
+    return named | {stepper_object(machine, name): name for name in motors}

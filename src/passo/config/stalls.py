@@ -56,6 +56,17 @@ def watched_motors(machine: MachineConfig, home: str) -> list[str]:
     return [name for name in own if (tmc := machine.steppers[name].tmc) and tmc.stall_pin]
 
 
+def _on_belts(machine: MachineConfig, name: str) -> bool:
+    """Whether an axis is moved by belts of other names, which move other axes too."""
+    geometry = machine.geometry
+    return name in "xyz" and name not in (*geometry.arms, *geometry.actuators)
+
+
+def _stall_motors(machine: MachineConfig) -> list[str]:
+    """All motors whose drivers have a pin for their stall detection."""
+    return [n for n, s in machine.steppers.items() if s.tmc and s.tmc.stall_pin]
+
+
 def check_stalls(machine: MachineConfig) -> Iterator[Finding]:
     """Checks that the drivers of an axis with stall detection have it, with its pin and a threshold
     and a current within their ranges."""
@@ -72,9 +83,13 @@ def check_stalls(machine: MachineConfig) -> Iterator[Finding]:
             limit = "one of diag0_pin and diag1_pin"
             path = ("steppers", name, "tmc", "diag0_pin")
             yield Finding("config.conflict", path, tmc.diag0_pin, limit)
-    for name, homing in machine.homing.items():
-        if homing.stall is not None:
-            yield from _check_stall(machine, name)
+    arms = [name for name in machine.homing if name in machine.geometry.arms]
+    stalled = [name for name in machine.homing if machine.homing[name].stall]
+    for name in stalled:
+        yield from _check_stall(machine, name)
+        if name in arms and not set(arms) <= set(stalled):
+            limit = "a stall detection of all arms or of none, because they home together"
+            yield Finding("config.conflict", ("homing", name, "stall"), "given", limit)
 
 
 def _check_stall(machine: MachineConfig, name: str) -> Iterator[Finding]:
@@ -84,6 +99,10 @@ def _check_stall(machine: MachineConfig, name: str) -> Iterator[Finding]:
     if not motors:
         limit = "the pin diag_pin, diag0_pin or diag1_pin in the table tmc of a motor of this axis"
         yield Finding("config.missing-key", path, None, limit)
+    boards = {machine.board_of_stepper(motor) for motor in _stall_motors(machine)}
+    if _on_belts(machine, name) and len(boards) > 1:
+        limit = "motors with stall detection on one board"
+        yield Finding("config.conflict", path, f"on {len(boards)} boards", limit)
     for motor in motors:
         stepper = machine.steppers[motor]
         chip, tmc = chip_of(stepper.driver), stepper.tmc

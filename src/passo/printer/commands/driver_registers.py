@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from passo.board.trinamic import DriverSettings, threshold_of
 from passo.config.findings import did_you_mean
-from passo.config.klipper_names import stepper_object
+from passo.config.klipper_names import motors_by_name, stepper_object
 from passo.config.part_names import found_name
 from passo.config.trinamic import CHIPS, Register
 from passo.errors import CommandError
@@ -49,12 +49,11 @@ class DriverRegisterCommands:
 
     def _motor(self, command: Command) -> str:
         """The motor of STEPPER. Raises CommandError."""
-        named = {stepper_object(motor): motor for motor in self._watch.states}
-        named = {motor: motor for motor in named.values()} | named
+        named = motors_by_name(self._machine, self._watch.states)
         written = command.string("STEPPER")
         found = found_name(named, written)
         if found is None:
-            limit = ", ".join(stepper_object(motor) for motor in self._watch.states)
+            limit = ", ".join(stepper_object(self._machine, motor) for motor in self._watch.states)
             limit = limit or "a motor whose driver has registers: none here"
             raise CommandError.of("command.value", axis="STEPPER", value=written, limit=limit)
         return named[found]

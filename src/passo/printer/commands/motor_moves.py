@@ -9,7 +9,7 @@ from math import hypot, isclose
 from typing import TYPE_CHECKING
 
 from passo._core import Within
-from passo.config.klipper_names import stepper_object
+from passo.config.klipper_names import motors_by_name, stepper_object
 from passo.config.motor_roles import Driven, axis_order
 from passo.errors import CommandError
 from passo.gcode.command import Command
@@ -67,9 +67,9 @@ def _named(machine: MachineConfig, name: str) -> _Motor:
     """The motor with this name (Klipper's or the machine file's). Raises CommandError."""
     driven_by = machine.driven_by
     movable = [n for n in machine.steppers if (d := driven_by(n)) and d.drive != "extruder"]
-    named = {stepper_object(n): n for n in movable} | {n: n for n in movable}
+    named = motors_by_name(machine, movable)
     if name not in named:
-        limit = ", ".join(stepper_object(n) for n in movable)
+        limit = ", ".join(stepper_object(machine, n) for n in movable)
         raise CommandError.of("command.value", axis="STEPPER", value=name or "missing", limit=limit)
     driven = driven_by(named[name])
     assert driven is not None

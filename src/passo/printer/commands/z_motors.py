@@ -154,7 +154,7 @@ class ZMotorCommands:
             by_mm = lifts(adjustments, self._config.max_adjust_mm)
             reply.say("Making the following Z adjustments:")
             for name, mm in by_mm.items():
-                reply.say(f"{stepper_object(name)} = {mm:.6f}")
+                reply.say(f"{stepper_object(self._rig.machine, name)} = {mm:.6f}")
             mean = await self._lift(by_mm)
             moved = {name: mm + mean - by_mm[name] for name, mm in moved.items()}
         self._finish(moved, fmean(heights), reply)

@@ -98,7 +98,7 @@ def motion_report(machine: MachineConfig, status: Status) -> Object:
         "live_position": Coord(x, y, z, status.position_mm.get("e", 0.0)),
         "live_velocity": status.motion.speed_mm_s,
         "live_extruder_velocity": status.motion.filament_mm_s,
-        "steppers": [stepper_object(name) for name in machine.steppers],
+        "steppers": [stepper_object(machine, name) for name in machine.steppers],
         "trapq": [],
     }
 
@@ -106,7 +106,7 @@ def motion_report(machine: MachineConfig, status: Status) -> Object:
 def stepper_enable(machine: MachineConfig, status: Status) -> Object:
     """Whether the motors are on."""
     on = status.motion.motors_on
-    return {"steppers": {stepper_object(name): on for name in machine.steppers}}
+    return {"steppers": {stepper_object(machine, name): on for name in machine.steppers}}
 
 
 def input_shaper(status: Status) -> Object:

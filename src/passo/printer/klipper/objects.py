@@ -126,7 +126,7 @@ def objects(
             "state": "PRESSED" if pressed else "RELEASED"
         }
     for name, part in status.drivers.items():
-        found[driver_object(part.chip, stepper_object(name))] = lambda name=name: driver(
+        found[driver_object(part.chip, stepper_object(machine, name))] = lambda name=name: driver(
             status, name
         )
     for name in status.boards:
