@@ -230,6 +230,8 @@ def test_motors_of_crossed_belts_have_klippers_names():
 def test_towers_home_by_stalls_all_or_none():
     table = homing(60, home="a").replace('"min"', '"max"').replace("0.0", "318.0", 1)
     text = with_table(shipped_text("delta"), "homing.a", table)
+    driver = 'driver = "TMC2209"\ntmc = { run_current_a = 0.8, uart_pin = "PD7", diag_pin = "PA7" }'
+    text = text.replace("[steppers.a]", f"[steppers.a]\n{driver}")
     with pytest.raises(ConfigError, match="a stall detection of all arms or of none"):
         config.load_text(text, "delta.toml")
 
