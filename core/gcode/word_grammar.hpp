@@ -52,7 +52,7 @@ inline bool takes_e(char letter, int code) {
   if (letter == 'G') return code == 61 || code == 92;
   return code == 17 || code == 18 || code == 84 || code == 92 || code == 201 || code == 203 ||
          code == 205 || code == 303 || code == 306 || code == 569 || code == 600 || code == 906 ||
-         code == 912;
+         code == 912 || code == 913 || code == 917;
 }
 
 // Commands whose words only the core reads. run_motion() checks the words of moves itself.
