@@ -93,7 +93,10 @@ def test_probe_that_never_triggers_leaves_z_unhomed():
 @pytest.mark.parametrize(
     ("home", "message"),
     [
-        (_PROBE + 'pin = "^Z_MIN"\n', "or stepper_pins with a pin for each motor, or probe = true"),
+        (
+            _PROBE + 'pin = "^Z_MIN"\n',
+            "or stepper_pins with a pin for each motor, or stall, or probe = true",
+        ),
         (_PROBE + "position = 0.0\n", "it is probe.trigger_height_mm, which is"),
         (_PROBE.replace('"min"', '"max"'), '"min": the probe is above the bed'),
         (_PROBE + "probe_at_mm = [1.0, 1.0]\n", "where the probe is on the bed"),
