@@ -19,13 +19,18 @@ def _escaped(character: re.Match[str]) -> str:
     return f"\\x{ord(character[0]):02x}"
 
 
+def printable(text: str) -> str:
+    """The text with the control characters of terminals as their numbers."""
+    return _STEERS.sub(_escaped, text)
+
+
 class _Sentence(Formatter):
     """Formats a sentence with values. Long values are cut, and control characters of terminals are
     removed; line ends stay, because a compiler may print several lines."""
 
     def format_field(self, value: object, format_spec: str) -> str:
         """The value as text, at most `_LONGEST_VALUE` characters and an ellipsis."""
-        text = _STEERS.sub(_escaped, str(super().format_field(value, format_spec)))
+        text = printable(str(super().format_field(value, format_spec)))
         return text if len(text) <= _LONGEST_VALUE else text[:_LONGEST_VALUE] + "…"
 
 

@@ -14,7 +14,7 @@ from passo.console.emergency_parser import LIFTS, RESTARTS, EmergencyParser, ans
 from passo.console.receive_queue import Received, ReceiveQueue
 from passo.console.timers import Timers
 from passo.console.upload import Upload
-from passo.errors import CardError, PassoError, Problem, in_words
+from passo.errors import CardError, PassoError, Problem, in_words, printable
 from passo.gcode.command import Command
 from passo.gcode.line_protocol import Line, LineProtocol, Refusal, decoded
 from passo.motion.motion_queue import MAX_QUEUED
@@ -474,7 +474,9 @@ class Session:
         if upload.numbered and line.number is None:
             if code in self._control.dispatch.immediate:
                 return False
-            self.fail(f"{code} is not carried out while a file is written; end it with M29")
+            self.fail(
+                f"{printable(code)} is not carried out while a file is written; end it with M29"
+            )
             return True
         upload.write(line.text)
         return True
@@ -484,7 +486,9 @@ class Session:
         if not upload.reported:
             upload.reported = True
             where = f"the file {upload.name}" if upload.name else "a file without a name"
-            self.say(f"echo:{code} is not carried out: it is for {where}. End it with M29")
+            self.say(
+                f"echo:{printable(code)} is not carried out: it is for {where}. End it with M29"
+            )
         return True
 
     def _refused(self, code: str) -> bool:
