@@ -27,7 +27,7 @@ class BedCorrection:
         self.correction: Correction | None = None
         self.on = False
 
-    def reset(self) -> None:
+    def begin(self) -> None:
         """Call this after the boards and the plan have been replaced."""
         self._suspended = False
         self._apply()

@@ -176,19 +176,19 @@ class Printer:
         rig = self.rig
         self._first_faults = []
         self.state.start_failure = None
-        self.outputs.laser.reset()
+        self.outputs.laser.begin()
         connection.keep_frames()
         if connection.survives:
             connection.arm(True)  # from here on, a late message does not shut a board down
-        self.outputs.power_supply.reset(connection)
-        self.outputs.beeper.reset(connection)
+        self.outputs.power_supply.begin(connection)
+        self.outputs.beeper.begin(connection)
         failure = self._first_reports(connection)
         if failure is not None and not first:
             raise failure
         rig.connect(connection)
         connection.set_on_fault(self._heater_failed)
         try:
-            self.drivers.set_up(connection)
+            self.drivers.begin(connection)
         except MachineError as error:
             if not first:
                 raise
@@ -199,7 +199,7 @@ class Printer:
             lambda: self.status.read(),  # it is built after the first start
             self.outputs.lights,
         )
-        rig.commands.outputs.reset(adopted=connection.adopted)
+        rig.commands.outputs.begin(adopted=connection.adopted)
         rig.commands.lights.begin(adopted=connection.adopted)
         rig.commands.servos.begin(adopted=connection.adopted)
         self.outputs.lights.begin(connection)
@@ -222,12 +222,12 @@ class Printer:
         self.outputs.motors.forget()
         lines = list(self.settings.lines())
         self._begin(reconnected(self.rig.connection), first=False)
-        self.suspension.reset()
-        self.motion.reset()
-        self.levelling.manual_probe.reset()
-        self.dispatch.reset()
-        self.endstops.reset()
-        self.inputs.filament.reset()
+        self.suspension.begin()
+        self.motion.begin()
+        self.levelling.manual_probe.begin()
+        self.dispatch.begin()
+        self.endstops.begin()
+        self.inputs.filament.begin()
         state.restarted()
         for line in lines:
             self.dispatch.take_setting(line, NullReply())
