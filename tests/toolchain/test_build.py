@@ -26,10 +26,10 @@ from passo.toolchain.targets import Motor, board_target, state, target
 
 # board: most bytes of flash, and of static data in RAM
 LIMITS = {
-    "ramps": (35_000, 7_200),
-    "mks-gen": (35_000, 7_200),
-    "mks-gen-l": (35_000, 7_200),
-    "melzi": (35_000, 14_000),
+    "ramps": (37_000, 7_200),
+    "mks-gen": (37_000, 7_200),
+    "mks-gen-l": (37_000, 7_200),
+    "melzi": (37_000, 14_000),
     "radds": (24_000, 56_000),
     "ramps-fd": (24_000, 56_000),
     "duet-0.6": (24_000, 56_000),

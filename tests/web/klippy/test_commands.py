@@ -66,7 +66,7 @@ MACROS = '[macros.LIGHTS]\ngcode = "SET_LED LED=a RED=1\\nM117 lit"\n'
     ("line", "told"),
     [
         ("SET_PIN PIN=light VALUE=1", "SET_PIN does nothing here: The machine file has no output"),
-        ("SET_LED LED=a RED=1", "SET_LED does nothing here: Passo has no light"),
+        ("SET_LED LED=a RED=1", "SET_LED does nothing here: The machine file has no light"),
         ("SET_FILAMENT_SENSOR SENSOR=a ENABLE=0", "The machine file has no filament sensor"),
         ("PROBE", "PROBE does nothing here: "),
         ("SYNC_EXTRUDER_MOTION EXTRUDER=extruder MOTION_QUEUE=", "MOTION is not there yet: One"),
