@@ -7,14 +7,12 @@ namespace passo::wire {
 
 namespace {
 
-constexpr uint8_t kGconf = 0x00, kGstat = 0x01, kScaler = 0x0b, kIholdIrun = 0x10,
-                  kTpwmthrs = 0x13, kTcoolthrs = 0x14, kThigh = 0x15, kSgthrs = 0x40,
-                  kSgResult = 0x41, kChopconf = 0x6c, kCoolconf = 0x6d, kDrvStatus = 0x6f;
+constexpr uint8_t kGconf = 0x00, kGstat = 0x01, kScaler = 0x0b, kIholdIrun = 0x10, kTpwmthrs = 0x13,
+                  kTcoolthrs = 0x14, kThigh = 0x15, kSgthrs = 0x40, kSgResult = 0x41,
+                  kChopconf = 0x6c, kCoolconf = 0x6d, kDrvStatus = 0x6f;
 constexpr double kTstepMost = 0xfffff;
 
-uint32_t bits(uint32_t value, int low, int width = 1) {
-  return value >> low & ((1u << width) - 1);
-}
+uint32_t bits(uint32_t value, int low, int width = 1) { return value >> low & ((1u << width) - 1); }
 
 int sgt(uint32_t coolconf) {
   const int value = int(bits(coolconf, 16, 7));

@@ -60,8 +60,8 @@ _Noreturn void hal_reset(void);
 
 // Returns the next received byte, or -1.
 int16_t hal_console_read(void);
-// Returns the bytes that hal_console_write() takes now without waiting; 255 when everything has been
-// sent.
+// Returns the bytes that hal_console_write() takes now without waiting; 255 when everything has
+// been sent.
 uint8_t hal_console_room(void);
 void hal_console_write(const uint8_t *data, uint8_t size);
 
