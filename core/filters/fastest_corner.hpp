@@ -74,7 +74,7 @@ class FastestCorner {
   void begin(const Move& m, const std::function<int64_t(size_t)>& lead);
   void forget(double before);
   void consider(const Move* before, const Move& after);
-  // The motor that moves only this axis; null if there is none.
+  // The motor that moves only this axis, or null.
   const StepperSpec* own_motor(int axis) const;
 };
 

@@ -63,7 +63,7 @@ void Interpreter::carry_out(uint8_t moved) {
 }
 
 // Sets `at` to the machine's position once the offset that is due is carried out. Returns the slot
-// that would be beyond its limit, where `at` ends; -1 if there is none.
+// that would be beyond its limit, where `at` ends, or -1.
 int Interpreter::tool_position(double* at) const {
   here(at);
   int out = -1;

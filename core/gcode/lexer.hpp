@@ -16,7 +16,7 @@ inline constexpr double kPowersOfTen[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e
                                           1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 inline constexpr double kLargestWord = 1e9;
 
-// Reads a decimal number without an exponent. If there is none, returns false and leaves p
+// Reads a decimal number without an exponent. Without a number, returns false and leaves p
 // unchanged.
 inline bool read_number(const char*& p, const char* end, double& value) {
   const char* q = p;
@@ -126,7 +126,7 @@ class Lines {
   bool finished_ = false, dropped_ = false, too_long_ = false, cut_ = false, unended_ = false;
   bool reported_ = false;  // the line at at_ was reported as too long before its end was received
 
-  // The first LF or CR of the line; null if there is none yet. feed_at_ keeps the place of the next
+  // The first LF or CR of the line, or null. feed_at_ keeps the place of the next
   // LF for all lines before it that end with a CR.
   const char* line_end() {
     const char* all = buffer_.data();

@@ -136,7 +136,7 @@ class ObjectText {
                                            // begins
     return orders;
   }
-  // The end of a quoted text at the beginning of `text`; npos if there is none.
+  // The end of a quoted text at the beginning of `text`, or npos.
   static size_t quoted(std::string_view text) {
     const size_t open = text.find_first_not_of(" \t");
     if (open == std::string_view::npos || (text[open] != '"' && text[open] != '\''))
@@ -231,8 +231,8 @@ class Objects {
     reserve(number + 1);
     return number;
   }
-  // The first object of this name. If there is none, the first unnamed or a new object gets the
-  // name. Returns -1 if there are too many objects.
+  // The first object of this name. Without such an object, the first unnamed or a new object gets
+  // the name. Returns -1 if there are too many objects.
   int named(const std::string& name) {
     if (const auto found = find(name); !found.empty()) return found.front();
     while (unnamed_ < all_.size() && !all_[unnamed_].name.empty()) ++unnamed_;
@@ -312,7 +312,7 @@ class ObjectLines {
     if (starts_.size() > kMaxStarts) starts_.pop_front();
   }
   void clear() { starts_.clear(); }
-  // The object of a line; -1 if there is none.
+  // The object of a line, or -1.
   int at(uint32_t line) const {
     auto next = std::upper_bound(starts_.begin(), starts_.end(), line,
                                  [](uint32_t l, const auto& start) { return l < start.first; });

@@ -80,7 +80,7 @@ inline CallFault read_call(std::string_view text, const Subprograms& all, Call& 
                                       : CallFault::none;
 }
 
-// Reads the number after O or N at the beginning of a line; false if there is none.
+// Reads the number after O or N at the beginning of a line. Returns false without one.
 inline bool read_label(const char* p, const char* end, bool& program, uint32_t& number) {
   while (p < end && (*p == ' ' || *p == '\t' || *p == '/')) ++p;
   if (p == end || !std::strchr("OoNn", *p)) return false;

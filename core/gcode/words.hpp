@@ -69,7 +69,7 @@ inline bool begins_message(std::string_view text) {
          (i + 4 == text.size() || !std::isdigit(uint8_t(text[i + 4])));
 }
 
-// Position of the last '*' outside of comments; npos if there is none.
+// Position of the last '*' outside of comments, or npos.
 inline size_t last_star(std::string_view text) {
   size_t depth = 0, star = std::string_view::npos;
   for (size_t i = 0; i < text.size() && (text[i] != ';' || depth > 0); ++i) {

@@ -48,7 +48,7 @@ class Geometry {
   virtual bool linear(int i, double c[3]) const = 0;
   // Position of actuator i at p, in mm or degrees; NaN if it cannot reach p.
   virtual double inverse(int i, const double p[3]) const = 0;
-  // Position of the nozzle if the actuators are at q; false if there is none.
+  // Position of the nozzle if the actuators are at q. Returns false for an impossible q.
   virtual bool forward(const double* q, double p[3]) const = 0;
   // First and second derivative of actuator i's position with respect to the path position s.
   virtual void slopes(int i, const Path& path, double s, double& d1, double& d2) const = 0;

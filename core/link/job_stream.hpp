@@ -156,7 +156,7 @@ class JobStream {
   static uint8_t* put(uint8_t* p, const Prefix& prefix);
   uint8_t* encode(const Message& m, uint8_t* p) const;
   static uint8_t* put_value(uint8_t* p, const Pin& pin, Ticks clock, uint32_t value);
-  // The pin whose kickstart ends first, at or before this board clock; null if there is none.
+  // The pin whose kickstart ends first, at or before this board clock, or null.
   Pin* kicked_until(Ticks clock);
   // The clock at which the board needs a message. A move is needed at its first step. A commit
   // message is needed at the first step among its moves, or at the clock of the commit before, at

@@ -90,7 +90,7 @@ struct Macros {
     return std::any_of(built_in.begin(), built_in.end(),
                        [&](const auto& pair) { return pair.second == code; });
   }
-  // The built-in command that a macro calls by this code; null if there is none.
+  // The built-in command that a macro calls by this code, or null.
   const std::string* original(const std::string& code) const {
     if (built_in.empty()) return nullptr;
     const auto at = built_in.find(code);

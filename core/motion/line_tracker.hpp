@@ -22,7 +22,7 @@ class ProgramLines {
   }
   // A new program starts.
   void forget() { starts_.clear(); }
-  // The line of the move at `ticks`, or of the last one before it; 0 if there is none. `ticks` must
+  // The line of the move at `ticks`, or of the last one before it, or 0. `ticks` must
   // not decrease from call to call.
   uint32_t at(double ticks) {
     kept_ = true;

@@ -177,7 +177,7 @@ class Motion {
   std::optional<std::array<double, kAxes>> position_at(double ticks) const;
   // Net filament of an extruder until `ticks`, mm, without pressure advance.
   double filament_at(double ticks, size_t extruder) const;
-  // The tool of the move at `ticks`, else of the next move; nothing if there is none.
+  // The tool of the move at `ticks`, else of the next move, if any.
   std::optional<size_t> tool_at(double ticks) const;
   // After hold_from(): suspends the held plan with its records, so that other moves can be made
   // from the stop position. resume() continues it; before that the machine must return to the stop

@@ -18,7 +18,7 @@ class History {
   void forget(double past);
   bool empty() const { return begin_ == moves_.size(); }
   const Move& oldest() const { return moves_[begin_]; }
-  // The move that is under way at a clock, or else the next one; end() if there is none.
+  // The move that is under way at a clock, or else the next one, or end().
   std::vector<Move>::const_iterator at(double clock) const;
   std::vector<Move>::const_iterator end() const { return moves_.end(); }
   const Move* last() const { return moves_.empty() ? nullptr : &moves_.back(); }

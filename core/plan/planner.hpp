@@ -81,7 +81,7 @@ class Planner {
   // there.
   void rewind_budget(const std::vector<Move>& rest);
 
-  // Adds records to the start of the first queued move; false if there is none.
+  // Adds records to the start of the first queued move. Returns false if no move is queued.
   bool attach(uint32_t records);
 
   // Returns whether `allowed` is true for all queued moves.

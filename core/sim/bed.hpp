@@ -69,7 +69,8 @@ struct BedProbe {
   bool pressed = false;
   double error = 0;
 
-  // The nozzle position for these actuator positions; false if there is none.
+  // The nozzle position for these actuator positions. Returns false if the machine cannot reach
+  // them.
   bool nozzle(const double* q, double p[3]) const { return geometry->forward(q, p); }
   // Z of the gantry at X, Y, if the geometry's Z is `z`.
   double gantry(double x, double y, double z) const;

@@ -24,7 +24,7 @@ struct reader {
   const uint8_t *at, *end;
 };
 
-// The next number; 0 if there is none.
+// The next number, or 0.
 uint32_t read_vlq(struct reader *reader);
 // Appends a number; returns the end.
 uint8_t *write_vlq(uint8_t *at, uint32_t value);

@@ -86,6 +86,34 @@ def test_gcode_after_a_failed_descent_runs_all_the_same():
         assert answers(s, "G30 X110 Y110")[-1].startswith("Bed X: 110.00")
 
 
+@pytest.mark.parametrize("end", ["M524", "M410"])
+def test_gcode_after_a_descent_runs_when_the_print_is_stopped(end, tmp_path):
+    (tmp_path / "a.gcode").write_text("G30 X110 Y110\n")
+    keys = 'kind = "bltouch"\npin = "^Z_MAX"\ncontrol_pin = "SERVO0"\ntrigger_height_mm = 1.2'
+    keys += f"\narm_gcode = '''{counts('down')}\nM400'''"
+    keys += f"\ndisarm_gcode = '''{counts('up')}\nM400'''"
+    counter = "[macros.COUNT]\ngcode = ''\nvariables = { up = 0, down = 0 }\n"
+    with at_home(edited("i3-probe", STILL, (FIXED, keys), more=counter), card=str(tmp_path)) as s:
+        s.host.ok("M32 a.gcode")
+        s.until(lambda: counted(s)[0] == 1, 60)
+        s.passes(0.3)
+        s.host.ok(end, 60)
+        s.until(lambda: not s.printer.state.busy() and not s.printer.motion_lock.locked, 60)
+        assert counted(s) == (1, 1)
+        assert s.positions()["z"] >= 10.0
+        assert answers(s, "QUERY_PROBE") == ["// probe: open"]  # its pin is stowed
+        assert answers(s, "G30 X110 Y110")[-1].startswith("Bed X: 110.00")
+
+
+def test_probe_is_stowed_though_its_gcode_fails():
+    with at_home(machine(disarm="M104 S900")) as s:
+        s.board.spoil_probe(dead_areas=[(0, 0, 250, 220)])
+        said = "\n".join(answers(s, "G30 X110 Y110"))
+        assert "the probe was not triggered" in said
+        assert "900" in said
+        assert s.positions()["z"] >= 10.0
+
+
 def test_refused_gcode_stops_the_probing_with_its_reason():
     with at_home(machine("M104 S900")) as s:
         assert "900" in answers(s, "G30 X110 Y110")[-1]

@@ -108,6 +108,11 @@ def _check_stall(machine: MachineConfig, name: str) -> Iterator[Finding]:
         chip, tmc = chip_of(stepper.driver), stepper.tmc
         if chip not in STALL_KINDS or tmc is None:
             continue
+        field = STALL_KINDS[chip].field
+        if field in tmc.registers:
+            where = ("steppers", motor, "tmc", "registers", field)
+            limit = f"no such register: homing.{name}.stall.threshold sets it"
+            yield Finding("config.conflict", where, tmc.registers[field], limit)
         least, most = threshold_range(chip)
         if not least <= stall.threshold <= most:
             limit = f"{least} to {most} for the {chip} of motor {motor}"

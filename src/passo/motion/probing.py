@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from passo._core import Within
 from passo.config.probing import PROBE
-from passo.errors import CommandError
+from passo.errors import CommandError, Problem
 from passo.geometry.base import Unreachable
 from passo.motion.axis_slots import X, Y, Z
 from passo.motion.endstops import probe_switch
@@ -313,13 +313,19 @@ class Prober:
         self._deployed = False
         if self._interrupts.halted:
             return
+        further: list[Problem] = []
         try:
             if self._armed:
                 await self._end_descent()
+        except CommandError as failed:
+            further += failed.problems
+        try:
             await self.probe.stow(self._head)
-        except CommandError as further:
+        except CommandError as failed:
+            further += failed.problems
+        if further:
             before = error.problems if isinstance(error, CommandError) else ()
-            raise CommandError([*before, *further.problems]) from error
+            raise CommandError([*before, *further]) from error
 
     async def _first(self, place: Place) -> None:
         """Moves over the first place and deploys the probe."""

@@ -9,8 +9,7 @@ from passo.config.part_names import found_name
 from passo.errors import CommandError
 from passo.gcode.parameters import flag, ignored, integer, number, text
 from passo.gcode.registry import Subject, When, command
-from passo.printer.commands.lacking import report_lack
-from passo.printer.skipped_commands import SkippedCommand
+from passo.printer.commands.lacking import NamedParts, report_lack
 from passo.printer.stand_ins import LIGHTS
 
 if TYPE_CHECKING:
@@ -66,7 +65,7 @@ class Lights:
     ) -> None:
         self._lights, self._outputs, self._sink = machine.lights, outputs, sink
         self._job, self._effects = job, machine.light_effects
-        self._stand_ins, self._omitted = stand_ins, omitted
+        self._named = NamedParts(self._lights, LACKS, LIGHTS, job, stand_ins, omitted)
         self.colors: dict[str, list[Color]] = {
             name: [start_color(light)] * light.count for name, light in self._lights.items()
         }
@@ -108,18 +107,7 @@ class Lights:
     def named(self, command: Command, key: str, reply: Reply) -> str | None:
         """The light that a parameter names. None for one that the machine does not have, which
         macros for other printers may name. Raises CommandError."""
-        written = command.string(key)
-        name = found_name(self._lights, written)
-        if name is not None:
-            return name
-        if self._stand_ins.named(LIGHTS, written) is not None:
-            self._omitted.count(SkippedCommand.NOT_BUILT, command.code, command.line)
-            return None
-        if not self._lights:
-            report_lack(self._job, command, reply, LACKS)
-            return None
-        limit = ", ".join(self._lights)
-        raise CommandError.of("command.value", axis=key, value=written or "missing", limit=limit)
+        return self._named.find(command, key, reply)
 
     @command(
         "SET_LED",

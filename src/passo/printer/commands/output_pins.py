@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from passo.config.part_names import found_name
 from passo.errors import CommandError
 from passo.gcode.parameters import ignored, integer, number, rest, text
 from passo.gcode.registry import Subject, When, command
-from passo.printer.commands.lacking import report_lack
+from passo.printer.commands.lacking import NamedParts, report_lack
 from passo.printer.commands.ranges import beyond
-from passo.printer.skipped_commands import SkippedCommand
 from passo.printer.stand_ins import PINS
 
 if TYPE_CHECKING:
@@ -41,7 +39,8 @@ class OutputPins:
     ) -> None:
         self._all = {n: o for n, o in machine.outputs.items() if not o.fixed}
         self._job, self._outputs = job, outputs
-        self._stand_ins, self._omitted = stand_ins, omitted
+        self._stand_ins = stand_ins
+        self._named = NamedParts(self._all, _LACKS, PINS, job, stand_ins, omitted)
         self._light = next((n for n, o in self._all.items() if o.use == "light"), None)
         self._camera = next((n for n, o in self._all.items() if o.use == "camera"), None)
         self._brightness = 1.0  # of the light while it is on
@@ -56,10 +55,10 @@ class OutputPins:
         lacks=_LACKS,
     )
     def _set_pin(self, command: Command, reply: Reply) -> None:
-        written = command.string("PIN")
-        name = found_name(self._all, written)
+        name = self._named.find(command, "PIN", reply)
         if name is None:
-            self._set_absent(command, written, reply)
+            if (state := self._stand_ins.named(PINS, command.string("PIN"))) is not None:
+                state["value"] = command.value("VALUE", 0.0)
             return
         for word in command.unknown():
             note = f"SET_PIN {word} does nothing here; the machine file has pwm_hz of {name}"
@@ -72,21 +71,6 @@ class OutputPins:
                 limit = f"0 or {output.scale:g}: outputs.{name} has no pwm"
             raise CommandError.of("command.value", axis="VALUE", value=f"{value:g}", limit=limit)
         self._outputs.set_free(name, value / output.scale)
-
-    def _set_absent(self, command: Command, written: str, reply: Reply) -> None:
-        """SET_PIN of an output that the machine does not have. Raises CommandError if it has
-        others."""
-        state = self._stand_ins.named(PINS, written)
-        if state is not None:
-            state["value"] = command.value("VALUE", 0.0)
-            self._omitted.count(SkippedCommand.NOT_BUILT, command.code, command.line)
-        elif self._all:
-            limit = ", ".join(self._all)
-            raise CommandError.of(
-                "command.value", axis="PIN", value=written or "missing", limit=limit
-            )
-        else:
-            report_lack(self._job, command, reply, _LACKS)
 
     @command(
         "M42",

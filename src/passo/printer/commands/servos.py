@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from passo.config.part_names import found_name
 from passo.config.servos import servo_output, share_of
 from passo.errors import CommandError
 from passo.gcode.parameters import number, text
 from passo.gcode.registry import Subject, When, command
-from passo.printer.commands.lacking import report_lack
-from passo.printer.skipped_commands import SkippedCommand
+from passo.printer.commands.lacking import NamedParts
 from passo.printer.stand_ins import SERVOS
 
 if TYPE_CHECKING:
@@ -38,8 +36,8 @@ class Servos:
         stand_ins: StandIns,
         omitted: SkippedCommands,
     ) -> None:
-        self._servos, self._job, self._outputs = machine.servos, job, outputs
-        self._stand_ins, self._omitted = stand_ins, omitted
+        self._servos, self._outputs = machine.servos, outputs
+        self._named = NamedParts(self._servos, _LACKS, SERVOS, job, stand_ins, omitted)
         self.widths_us = {name: _start_us(servo) for name, servo in self._servos.items()}
 
     def begin(self, *, adopted: bool) -> None:
@@ -65,10 +63,8 @@ class Servos:
         lacks=_LACKS,
     )
     def _set_servo(self, command: Command, reply: Reply) -> None:
-        written = command.string("SERVO")
-        name = found_name(self._servos, written)
+        name = self._named.find(command, "SERVO", reply)
         if name is None:
-            self._set_absent(command, written, reply)
             return
         servo, width_s = self._servos[name], command.value("WIDTH", None)
         if width_s is None:
@@ -82,19 +78,6 @@ class Servos:
             least, most = servo.min_pulse_us / 1e6, servo.max_pulse_us / 1e6
             raise CommandError.bad_value("WIDTH", width_s, f"0, or {least:g} to {most:g} s")
         self.turn(name, width_us)
-
-    def _set_absent(self, command: Command, written: str, reply: Reply) -> None:
-        """SET_SERVO of a servo that the machine does not have. Raises CommandError if it has
-        others."""
-        if self._stand_ins.named(SERVOS, written) is not None:
-            self._omitted.count(SkippedCommand.NOT_BUILT, command.code, command.line)
-        elif self._servos:
-            limit = ", ".join(self._servos)
-            raise CommandError.of(
-                "command.value", axis="SERVO", value=written or "missing", limit=limit
-            )
-        else:
-            report_lack(self._job, command, reply, _LACKS)
 
 
 def _start_us(servo: Servo) -> float:

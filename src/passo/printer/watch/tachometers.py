@@ -38,8 +38,8 @@ class FanFault:
 
 
 class Tachometers:
-    """The tachometers of one printer's fans, `faults` are those that last;
-    `listeners` are called with each new one of a fan that pauses the print."""
+    """The tachometers of one printer's fans. `faults` are those that last; `listeners` are called
+    with each new one of a fan that pauses the print."""
 
     def __init__(self, rig: LiveRig, state: State, halt: Callable[[PassoError, str], None]) -> None:
         self._rig, self._state, self._halt = rig, state, halt
@@ -96,6 +96,5 @@ class Tachometers:
             return False
         if self._rig.commands.outputs.fans.get(name, 0.0) <= 0:
             return False
-        if fan.follows is None:
-            return True
-        return self._rig.connection.heaters[fan.follows].celsius > fan.above_c
+        heaters = self._rig.connection.heaters
+        return not fan.warmed_by or any(heaters[n].celsius > fan.above_c for n in fan.warmed_by)
