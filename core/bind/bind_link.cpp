@@ -223,7 +223,7 @@ void bind_link(nb::module_& m) {
           "While "
           "the board is armed, motion comes in commits.")
       .def("reconnect", &held<&Link::reconnect>,
-           "The board has continued without this host: messages on their way are dropped, and the "
+           "The board has continued without this host: messages in transit are dropped, and the "
            "job is paused until resume().")
       .def_prop_ro(
           "acknowledged", &held<&Link::acknowledged>,
@@ -248,7 +248,7 @@ void bind_link(nb::module_& m) {
                    "The board was shut down because another one of the machine had failed.")
       .def_prop_ro("shutdown_reason", &held<&Link::shutdown_reason>)
       .def("restart", &held<&Link::restart>,
-           "Call it when the board restarts: messages on their way are dropped, and its frame "
+           "Call it when the board restarts: messages in transit are dropped, and its frame "
            "numbers are read again.")
       .def_prop_ro("wire_bytes", &held<&Link::wire_bytes>)
       .def_prop_ro("frames", &held<&Link::frames>)

@@ -66,7 +66,7 @@ Played measure(const StepRecording& recording, const PrintQuality& by, double cl
     if (int(start.size()) < geometry->actuators()) {
       start.push_back(finite(at, "a position"));
       runs.push_back(recording.last(index, steps));
-    } else {  // only the clocks count, because pressure advance adds steps
+    } else {  // an extruder: pressure advance moves it too, so only clocks are read
       if (first == kInfinity) break;
       runs.push_back(recording.since(index, Ticks(first - clock_hz)));
     }

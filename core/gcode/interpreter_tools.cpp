@@ -62,8 +62,8 @@ void Interpreter::carry_out(uint8_t moved) {
     if (moved >> j & 1) owe(j, 0);
 }
 
-// Sets `at` to the machine's position once the offset that is due is carried out. Returns the slot
-// that would be beyond its limit, where `at` ends, or -1.
+// Sets `at` to the machine's position after the pending change of the tool offset. If this moved an
+// axis beyond its limit, `at` ends at the limit and the slot of the axis is returned; else -1.
 int Interpreter::tool_position(double* at) const {
   here(at);
   int out = -1;

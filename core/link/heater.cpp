@@ -67,7 +67,7 @@ void Heater::interrupted() {
 
 bool Heater::report(uint32_t sum, Ticks clock, double clock_hz, uint32_t& value) {
   double dt = clock_ ? double(clock - *clock_) / clock_hz : 0;
-  if (dt > o_.longest_s) {  // unknown: which power acted, and for how long
+  if (dt > o_.longest_s) {  // the power since the last report is unknown
     dt = o_.longest_s;
     if (body_) body_->restart();
   }

@@ -6,10 +6,10 @@
 
 namespace passo::wire {
 
-// A chain of straight lines. Each begins at the end of the line before it, and ends at the expected
-// clock of the board one second later: so an error of the estimate is corrected within a second,
-// and the mapped time never jumps. Times are ticks of the main board's clock since the job began,
-// values ticks of the board's since then.
+// A chain of straight lines. Each begins at the end of the line before it, so the mapped time never
+// jumps. It ends one second later at the clock then expected of the board, so an error of the
+// estimate is corrected within a second. Maps ticks of the main board's clock to ticks of the other
+// board's clock, both since the job began.
 class TimeMap {
  public:
   // One of the job's ticks is `ratio` of the board's, nominally.

@@ -42,8 +42,8 @@ class HeadDynamics {
     places_.push_back({clock, std::move(positions)});
   }
 
-  // Calculates everything up to a clock. The boards must have run up to it. Steps of a board that
-  // has not count as if they came later.
+  // Calculates everything up to a clock. All boards must have run up to it: if one lags behind, its
+  // steps act later than they were made.
   void run(double clock) {
     take(clock);
     advance(clock);

@@ -657,7 +657,7 @@ class Link:
 
     def reconnect(self) -> None:
         """
-        The board has continued without this host: messages on their way are dropped, and the job is paused until resume().
+        The board has continued without this host: messages in transit are dropped, and the job is paused until resume().
         """
 
     @property
@@ -697,7 +697,7 @@ class Link:
 
     def restart(self) -> None:
         """
-        Call it when the board restarts: messages on their way are dropped, and its frame numbers are read again.
+        Call it when the board restarts: messages in transit are dropped, and its frame numbers are read again.
         """
 
     @property

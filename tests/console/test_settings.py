@@ -187,8 +187,8 @@ def rows_of(tmp_path):
 
 
 def heard_at_start(s):
-    unheard, s.printer.state.unheard = s.printer.state.unheard, []
-    return unheard
+    unreported, s.printer.state.unreported = s.printer.state.unreported, []
+    return unreported
 
 
 def test_only_changed_values_are_stored(tmp_path):

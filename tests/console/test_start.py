@@ -66,7 +66,7 @@ def test_a_board_that_fails_at_once_is_released(monkeypatch, closed):
     def fails(*_: object) -> None:
         raise PassoError.of("machine.place-unknown")
 
-    monkeypatch.setattr("passo.printer.watch.driver_status.DriverWatch.begin", fails)
+    monkeypatch.setattr("passo.printer.watch.driver_status.DriverWatch.set_up", fails)
     with pytest.raises(PassoError):
         Scenario()
     assert len(closed) == 1

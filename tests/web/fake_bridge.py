@@ -30,8 +30,8 @@ from passo.printer.status import (
 from passo.printer.unfit_commands import NOTHING
 from passo.web.bridge import (
     BedState,
-    Hearer,
     Listener,
+    OnLine,
     PastPrint,
     SettingValue,
     SimulatedPart,
@@ -139,12 +139,12 @@ class FakeBridge:
         return lambda: self.line_listeners.remove(call)
 
     async def run(
-        self, script: str, heard: Hearer | None = None, *, sender: str = ""
+        self, script: str, on_line: OnLine | None = None, *, sender: str = ""
     ) -> tuple[str, ...]:
         self.senders.append(sender)
         answer = self._answer(script)
-        for line in answer if heard else ():
-            heard(line)
+        for line in answer if on_line else ():
+            on_line(line)
         return answer
 
     async def call(self, *commands: Command, sender: str = "") -> tuple[str, ...]:

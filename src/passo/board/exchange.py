@@ -52,7 +52,7 @@ class Exchange:
         self.heaters: dict[str, _core.Heater] = {}
         self.faults: list[HeaterFault] = []
         self.on_fault: Callable[[str, HeaterFault], None] | None = None
-        self._told: dict[str, int] = {}
+        self._reported: dict[str, int] = {}
         self._responses: list[tuple[str, Values]] = []
         # until this clock, an old answer may still arrive
         self._late: dict[tuple[str, int | None], int] = {}
@@ -184,9 +184,9 @@ class Exchange:
         """Reports the heaters that have failed since the last call."""
         for name, heater in self.heaters.items():
             fault = heater.fault
-            if fault is None or self._told.get(name) == fault.clock:
+            if fault is None or self._reported.get(name) == fault.clock:
                 continue
-            self._told[name] = fault.clock
+            self._reported[name] = fault.clock
             event = HeaterFault.of(name, fault)
             self.faults.append(event)
             if self.on_fault is None:

@@ -40,7 +40,7 @@ def inversion(group: Iterable[Input]) -> int:
 class _Group:
     names: tuple[str, ...]
     received: int = 0  # states of this query, modulo 256
-    told: int = 0  # the last state, as a bit for each input
+    reported: int = 0  # the last state, as a bit for each input
     fresh: bool = True  # the levels are not certain yet
     certain_at: int = 0  # clock of this board
 
@@ -58,7 +58,7 @@ class InputReports:
         """Call this when the board has been asked to report its inputs; from the board's clock
         `certain_at` on, an input without a report is released."""
         for group in self._groups.values():
-            group.received, group.told = 0, 0
+            group.received, group.reported = 0, 0
             group.fresh, group.certain_at = True, certain_at
 
     def take(self, oid: int, acknowledged: int, states: bytes) -> tuple[int, list[InputChange]]:
@@ -75,14 +75,14 @@ class InputReports:
         found: list[InputChange] = []
         for group in self._groups.values():
             if group.fresh and clock >= group.certain_at:
-                found += self._changes(group, bytes((group.told,)))
+                found += self._changes(group, bytes((group.reported,)))
         return found
 
     def _changes(self, group: _Group, states: bytes) -> list[InputChange]:
         if not states:
             return []
         first, group.fresh = group.fresh, False
-        group.told = states[-1]
+        group.reported = states[-1]
         return list(self._named(group.names, states, first=first))
 
     def _named(

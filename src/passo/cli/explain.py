@@ -29,6 +29,6 @@ def run(arguments: argparse.Namespace) -> int:
     from passo.learn.explanation import explanation_text
 
     file, line = arguments.place
-    told = explain(config.load(arguments.machine), file, line, policy_of(arguments))
-    print(explanation_text(told))
+    explanation = explain(config.load(arguments.machine), file, line, policy_of(arguments))
+    print(explanation_text(explanation))
     return ExitStatus.DONE

@@ -32,9 +32,9 @@ def check_console(
 
 
 def _check_pins(console: Mapping[str, Any], uart: Uart, path: Path) -> Iterator[Finding]:
-    pins, ways = array(console, "pins"), (uart.receive, uart.send)
-    if len(pins) != 2 or any(pin not in way for pin, way in zip(pins, ways, strict=True)):
-        receive, send = (" or ".join(way) for way in ways)
+    pins, usable = array(console, "pins"), (uart.receive, uart.send)
+    if len(pins) != 2 or any(pin not in names for pin, names in zip(pins, usable, strict=True)):
+        receive, send = (" or ".join(names) for names in usable)
         limit = f"the pins that {console['uart']} receives and sends on: {receive}, then {send}"
         if pins:
             yield Finding("config.value", path, ", ".join(map(str, pins)), limit)

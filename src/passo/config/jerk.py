@@ -40,17 +40,17 @@ def right_angle_mm(box_s: float, impulses: Sequence[Impulses], accel: float, spe
     (mm/s) with this acceleration (mm/s²) and the next line begins in the same way. The impulses are
     those of the shapers of the axes; the largest result counts."""
     one = (*impulses, [(1.0, 0.0)])
-    ways = [_cut_mm(box_s, of, accel, speed, end) for of in one for end in (-1.0, 1.0)]
-    return sqrt(2) * max(ways)
+    distances = [_cut_mm(box_s, of, accel, speed, end) for of in one for end in (-1.0, 1.0)]
+    return sqrt(2) * max(distances)
 
 
 def _cut_mm(box_s: float, impulses: Impulses, accel: float, speed: float, end: float) -> float:
-    """The mean, over what filters average, of the way after the corner, or before it if `end` is
-    negative."""
+    """The distance after the corner, or before it if `end` is negative: its mean over the time that
+    the filters average."""
     mean = sum(weight * at for weight, at in impulses)
     moments = [(weight, (at - mean) * end) for weight, at in impulses]
 
-    def way(seconds: float) -> float:
+    def distance(seconds: float) -> float:
         s = max(seconds, 0.0)
         return s * (speed + 0.5 * accel * s)
 
@@ -59,6 +59,6 @@ def _cut_mm(box_s: float, impulses: Impulses, accel: float, speed: float, end: f
         return s * s * (0.5 * speed + accel * s / 6)
 
     if box_s == 0:
-        return sum(weight * way(at) for weight, at in moments)
+        return sum(weight * distance(at) for weight, at in moments)
     half = 0.5 * box_s
     return sum(w * (integral(at + half) - integral(at - half)) / box_s for w, at in moments)

@@ -43,14 +43,14 @@ class Client(Session):
 
     def __init__(self, control: Control) -> None:
         self._pending: deque[tuple[asyncio.Future[Reply], Callable[[str], None] | None]] = deque()
-        self._said: list[str] = []
+        self._answer_lines: list[str] = []
         self._failure: CommandError | None = None
         super().__init__(control, _NoWire())
         self.every("wait", 0, None)
         self.busy_s = 0.0
 
-    async def send(self, line: str, heard: Callable[[str], None] | None = None) -> Reply:
-        """Executes one line of G-code and returns its answer. `heard` is called at once with each
+    async def send(self, line: str, on_line: Callable[[str], None] | None = None) -> Reply:
+        """Executes one line of G-code and returns its answer. `on_line` is called at once with each
         line of the answer, in the form for consoles. The answer to a move comes when the move is
         planned; `M400` waits until the machine is at standstill. Raises CommandError if the line is
         refused, and ValueError for more than one line. If the calling task is cancelled, a line
@@ -65,15 +65,19 @@ class Client(Session):
             raise ValueError(f"send() takes at most {LONGEST} bytes, not {len(data)}")
         if not uncommented(text):
             return Reply()
-        return await self._answer(lambda: self.receive(data), heard)
+        return await self._answer(lambda: self.receive(data), on_line)
 
-    async def execute(self, command: Command, heard: Callable[[str], None] | None = None) -> Reply:
+    async def execute(
+        self, command: Command, on_line: Callable[[str], None] | None = None
+    ) -> Reply:
         """As `send`, for a command with values."""
-        return await self._answer(lambda: self.call(command), heard)
+        return await self._answer(lambda: self.call(command), on_line)
 
-    async def _answer(self, take: Callable[[], None], heard: Callable[[str], None] | None) -> Reply:
+    async def _answer(
+        self, take: Callable[[], None], on_line: Callable[[str], None] | None
+    ) -> Reply:
         reply: asyncio.Future[Reply] = asyncio.get_running_loop().create_future()
-        self._pending.append((reply, heard))
+        self._pending.append((reply, on_line))
         take()
         try:
             return await reply
@@ -95,9 +99,9 @@ class Client(Session):
         if text.startswith("Error:"):
             self.fail(text.removeprefix("Error:"))
             return
-        self._said.append(text.removeprefix("echo:"))
-        if self._pending and (heard := self._pending[0][1]) is not None:
-            heard(text)
+        self._answer_lines.append(text.removeprefix("echo:"))
+        if self._pending and (on_line := self._pending[0][1]) is not None:
+            on_line(text)
 
     def _hear_all(self, text: str) -> None:
         """Does nothing, because lines to all consoles are events."""
@@ -120,7 +124,7 @@ class Client(Session):
         return self._pending[0][0].cancelled() or super()._refused(code)
 
     def _acknowledge(self, number: int | None) -> None:
-        lines, self._said = [*self._said, *([self._ok] if self._ok else [])], []
+        lines, self._answer_lines = [*self._answer_lines, *([self._ok] if self._ok else [])], []
         failure, self._failure = self._failure, None
         reply, _ = self._pending.popleft()
         if reply.done():

@@ -31,8 +31,8 @@ def halts(command: Command) -> bool:
 
 def answers(command: Command) -> bool:
     """Whether the command ends a wait for a user."""
-    said = command.code == "M876" and "S" in command.words()
-    return said or command.code in ("M108", *_RESUMES)
+    answer = command.code == "M876" and "S" in command.words()
+    return answer or command.code in ("M108", *_RESUMES)
 
 
 @dataclass(slots=True)

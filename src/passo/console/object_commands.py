@@ -94,15 +94,15 @@ class ObjectCommands:
 
     def _cancel(self, number: int, reply: Reply, *, cancelled: bool) -> None:
         changed = self._objects.cancel(number, cancelled=cancelled)
-        said = (
+        text = (
             f"Object {_shown(self._objects.all[number])} is {'' if cancelled else 'not '}cancelled"
         )
         if not changed:
-            reply.say(f"echo:{said} already" if cancelled else f"echo:{said}")
+            reply.say(f"echo:{text} already" if cancelled else f"echo:{text}")
             return
         planned = f"moves up to line {self._objects.planned_to_line} are planned already"
         then = "still printed" if cancelled else "not printed if they are its own"
-        reply.say(f"echo:{said}; {planned} and {then}")
+        reply.say(f"echo:{text}; {planned} and {then}")
 
     def _list(self, reply: Reply) -> None:
         """Reports a line for each object: its number, its name, and whether it is current or

@@ -33,8 +33,8 @@ def welcome(name: str, state: State, session: Session) -> None:
     also receives the problems since the start."""
     session.say("start")
     session.say(f"echo:Passo, {name}")
-    unheard, state.unheard = state.unheard, []
-    for text in unheard:
+    unreported, state.unreported = state.unreported, []
+    for text in unreported:
         session.say(text)
     if state.halted:
         session.say(f"echo:Printer halted: {state.why_halted}")

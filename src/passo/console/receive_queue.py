@@ -13,7 +13,7 @@ BACKLOG = 256  # lines that a host may send ahead (`ok N P B`)
 MAX_LINES = 1 << 15  # lines in the queue, after which reading stops
 MAX_BYTES = 1 << 20  # text in the queue, after which reading stops
 
-Heard = tuple[Line, Command, bool] | Refusal
+Received = tuple[Line, Command, bool] | Refusal
 """A line, its command, and whether `EmergencyParser.see` accepted it as a command; or a refusal."""
 
 
@@ -21,7 +21,7 @@ class ReceiveQueue:
     """A queue of lines with a limit, at which reading stops."""
 
     def __init__(self) -> None:
-        self._lines: deque[Heard] = deque()
+        self._lines: deque[Received] = deque()
         self._bytes = 0
 
     def __len__(self) -> int:
@@ -43,16 +43,16 @@ class ReceiveQueue:
         """Whether reading may continue."""
         return len(self._lines) <= MAX_LINES // 2 and self._bytes <= MAX_BYTES // 2
 
-    def append(self, heard: Heard) -> None:
+    def append(self, received: Received) -> None:
         """Adds a line at the end."""
-        self._lines.append(heard)
-        self._bytes += _size(heard)
+        self._lines.append(received)
+        self._bytes += _size(received)
 
-    def popleft(self) -> Heard:
+    def popleft(self) -> Received:
         """Removes and returns the first line."""
-        heard = self._lines.popleft()
-        self._bytes -= _size(heard)
-        return heard
+        received = self._lines.popleft()
+        self._bytes -= _size(received)
+        return received
 
     def clear(self) -> None:
         """Discards all lines."""
@@ -60,5 +60,5 @@ class ReceiveQueue:
         self._bytes = 0
 
 
-def _size(heard: Heard) -> int:
-    return 0 if isinstance(heard, Refusal) else len(heard[0].text)
+def _size(received: Received) -> int:
+    return 0 if isinstance(received, Refusal) else len(received[0].text)

@@ -11,7 +11,7 @@ from typing import Protocol
 
 from passo import _core
 from passo.console.emergency_parser import LIFTS, RESTARTS, EmergencyParser, answers, halts
-from passo.console.receive_queue import Heard, ReceiveQueue
+from passo.console.receive_queue import Received, ReceiveQueue
 from passo.console.timers import Timers
 from passo.console.upload import Upload
 from passo.errors import CardError, PassoError, Problem, in_words, printable
@@ -136,8 +136,8 @@ class Session:
 
     def receive(self, data: bytes) -> None:
         """Handles bytes that the host has sent."""
-        heard = self._protocol.feed(data)
-        for line in heard:
+        received = self._protocol.feed(data)
+        for line in received:
             whole = isinstance(line, Line)
             text = line.text if whole else f"{line.text} ({line.reason})"
             self._shown.received(self.number, text, self.sender)
@@ -150,7 +150,7 @@ class Session:
                 if halts(command := command_of(line.text)):
                     self._emergency_parser.see(command, line.resend, self._upload)
                 self._lines.append(line)
-        if heard and self._resting:
+        if received and self._resting:
             self._work()
         if self._lines.full and not self._held:
             self._held = True
@@ -268,13 +268,13 @@ class Session:
         """Whether no line is being executed or scheduled."""
         return self._task is None and self._soon is None
 
-    def _next(self) -> Heard:
+    def _next(self) -> Received:
         """Takes the next queued line, and resumes reading when there is space."""
-        heard = self._lines.popleft()
+        received = self._lines.popleft()
         if self._held and self._lines.half_empty:
             self._held = False
             self._wire.hold(False)
-        return heard
+        return received
 
     def _work(self) -> None:
         """Executes lines until one of them has to wait, or until other tasks must run."""
@@ -283,25 +283,25 @@ class Session:
         for _ in range(AT_ONCE):
             if not self._lines or self._loop.time() > others_s:
                 break
-            heard = self._next()
+            received = self._next()
             given_up = self._given_up > 0
             self._given_up -= given_up
             self._ok = ""
-            if isinstance(heard, Refusal):
-                if heard.lost and self._upload is not None and self._upload.takes_all:
-                    self._upload.lose(heard.reason)
-                if heard.lost:
-                    self._printed = prints(command_of(heard.text).code)
-                    self.fail(f"{heard.reason}. Send shorter lines")
-                elif heard.resend is None:
-                    self.say(f"echo:{heard.reason}")
+            if isinstance(received, Refusal):
+                if received.lost and self._upload is not None and self._upload.takes_all:
+                    self._upload.lose(received.reason)
+                if received.lost:
+                    self._printed = prints(command_of(received.text).code)
+                    self.fail(f"{received.reason}. Send shorter lines")
+                elif received.resend is None:
+                    self.say(f"echo:{received.reason}")
                 else:
-                    _log.warning("%s", heard.reason, extra={"console": self.number})
-                    self.say(f"Error:{heard.reason}")
-                    self.say(f"Resend: {heard.resend}")
+                    _log.warning("%s", received.reason, extra={"console": self.number})
+                    self.say(f"Error:{received.reason}")
+                    self.say(f"Resend: {received.resend}")
                 self._acknowledge(None)
                 continue
-            line, command, seen = heard
+            line, command, seen = received
             self._printed = line.number is not None and (
                 prints(command.code) or unfit(command, self._control.skips) is not None
             )

@@ -29,20 +29,20 @@ _ANSWERS_OF_BED = ("echo:Bed Leveling ", "echo:Fade Height ")
 class _Collected(NullReply):
     """Collects the answers to stored commands: reasons why a value was refused or clamped."""
 
-    def __init__(self, said: list[str]) -> None:
-        self._said = said
+    def __init__(self, lines: list[str]) -> None:
+        self._lines = lines
 
     def say(self, text: str) -> None:
         """Collects the line."""
-        self._said.append(text)
+        self._lines.append(text)
 
     def note(self, about: str, text: str, *, again: bool = False) -> None:
         """Collects the line."""
-        self._said.append(f"echo:{text}")
+        self._lines.append(f"echo:{text}")
 
     def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
         """Collects the reason."""
-        self._said.append(f"echo:A stored setting was refused: {text}")
+        self._lines.append(f"echo:A stored setting was refused: {text}")
 
 
 class SettingsCommands:
@@ -137,23 +137,23 @@ class SettingsCommands:
 
     def _take_and_name(self, held: list[Override]) -> list[str]:
         """Sets these values; returns lines with the values, and with those that they override."""
-        said: list[str] = []
-        self.restore(commands_of(override.setting for override in held), _Collected(said))
-        said = [line for line in said if not line.startswith(_ANSWERS_OF_BED)]
+        lines: list[str] = []
+        self.restore(commands_of(override.setting for override in held), _Collected(lines))
+        lines = [line for line in lines if not line.startswith(_ANSWERS_OF_BED)]
         now = {setting.key: setting.value for setting in settings_in(self._settings.lines())}
         of_bed = [o for o in held if o.setting.head.split()[0] in _OF_BED]
         if of_bed:
             taken = all(same(now.get(o.setting.key), o.setting.value) for o in of_bed)
             state = "on" if self._motion.correction.on else "off"
             found = f"is as it was, and {state}" if taken else "could not be taken as it is"
-            said.append(f"echo:Stored correction of the bed {found} ({len(of_bed)} values)")
+            lines.append(f"echo:Stored correction of the bed {found} ({len(of_bed)} values)")
         for override in held:
             if override in of_bed:
                 continue
-            said.append(f"echo:{self._named(override, now.get(override.setting.key))}")
+            lines.append(f"echo:{self._named(override, now.get(override.setting.key))}")
         if held:
-            said.append("echo:To go back to the machine file's values: M502, then M500")
-        return said
+            lines.append("echo:To go back to the machine file's values: M502, then M500")
+        return lines
 
     def _named(self, override: Override, now: str | None) -> str:
         """A line about a stored value, and the value of the machine file that it overrides; `now`

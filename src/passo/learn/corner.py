@@ -49,13 +49,13 @@ def path_unit(machine: MachineConfig) -> str:
     return "steps" if machine.limits.junction == "cornering_distance" else "mm"
 
 
-def _way(move: _core.Move) -> list[float]:
+def _travel(move: _core.Move) -> list[float]:
     return [end - start for start, end in zip(move.start_mm, move.end_mm, strict=True)]
 
 
 def _turn(a: _core.Move, b: _core.Move) -> float | None:
     """The angle between the moves, degrees; None if one of them has no X, Y or Z."""
-    u, v = _way(a)[:_E], _way(b)[:_E]
+    u, v = _travel(a)[:_E], _travel(b)[:_E]
     lengths = sqrt(sum(x * x for x in u)) * sqrt(sum(x * x for x in v))
     if lengths == 0:
         return None
@@ -70,7 +70,7 @@ def _why_it_stands(a: _core.Move, b: _core.Move, turn: float | None, machine: Ma
     if a.extruder != b.extruder and (turn is None or law == "cornering_distance"):
         return ", for the extruder changes"
     if turn is None and law != "cornering_distance":
-        if any(_way(a)[:_E]) != any(_way(b)[:_E]):
+        if any(_travel(a)[:_E]) != any(_travel(b)[:_E]):
             return ""
         if not _alongside(a, b):
             return ", for the extruder turns back or the axes share the way in another manner"
@@ -81,7 +81,7 @@ def _why_it_stands(a: _core.Move, b: _core.Move, turn: float | None, machine: Ma
 
 
 def _alongside(a: _core.Move, b: _core.Move) -> bool:
-    pairs = zip(_way(a), _way(b), strict=True)
+    pairs = zip(_travel(a), _travel(b), strict=True)
     return all(abs(x / a.length - y / b.length) <= 1e-9 for x, y in pairs)
 
 
@@ -103,7 +103,7 @@ def _bound(a: _core.Move, b: _core.Move, turn: float | None, machine: MachineCon
 def _jump_speed(a: _core.Move, b: _core.Move, machine: MachineConfig) -> float | None:
     """The path speed, mm/s, at which the extruder's speed changes by its jerk limit; None if it
     does not change."""
-    before, after = (_way(move)[_E] / move.length for move in (a, b))
+    before, after = (_travel(move)[_E] / move.length for move in (a, b))
     jerks = [extruder.jerk_mm_s for extruder in machine.extruders.values()]
     if not jerks:
         return None

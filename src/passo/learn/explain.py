@@ -84,19 +84,19 @@ def explain(
         if bad is None or bad <= line:
             raise
         job, seen = _printed(machine, path, line, policy, bad)
-    number, checked, heard = job.job.program.watched_line
-    told = Explanation(
+    number, checked, commands = job.job.program.watched_line
+    explanation = Explanation(
         place=f"{path}:{line}",
         line=text,
         number=number,
         checksum=checked,
-        commands=tuple(_command(*one, machine) for one in heard),
+        commands=tuple(_command(*one, machine) for one in commands),
         macros=tuple(_macro(*call) for call in seen.calls),
         planned=len(seen.moves),
-        sub_program=any(code == "M98" for code, _, _ in heard),
+        sub_program=any(code == "M98" for code, _, _ in commands),
     )
     if not seen.moves:
-        return told
+        return explanation
     hz = machine.board.clock_hz
     names, unit = job.job.limits.names, path_unit(machine)
     shown = seen.moves if len(seen.moves) <= 3 else [seen.moves[0], seen.moves[-1]]
@@ -104,7 +104,7 @@ def explain(
     runs = _runs(job, seen.moves[0].start_ticks + delay, seen.moves[-1].end_ticks + delay)
     wire = [run for run in runs if machine.all_boards[run.board].firmware != "passo"]
     return replace(
-        told,
+        explanation,
         moves=tuple(_move(move, hz, names, unit) for move in shown),
         junction_before=corner(seen.before, seen.moves[0], machine),
         junction_after=corner(seen.moves[-1], seen.after, machine),
@@ -176,15 +176,15 @@ def _command(
     row = row_of("T" if re.fullmatch(r"T-?\d+", code) else code)
     if (macro := machine.macro_names.get(code)) is not None:
         about = machine.macros[macro].description
-        told = f"A macro of the machine file{about and ': ' + about}."
+        meaning = f"A macro of the machine file{about and ': ' + about}."
     elif not code:
-        told = "A move of the same kind as the last one before; G1 if there was none."
+        meaning = "A move of the same kind as the last one before; G1 if there was none."
     elif code == "S":
-        told = "The power of laser or spindle."
+        meaning = "The power of laser or spindle."
     else:
-        told = row.text if row else "unknown here, skipped."
+        meaning = row.text if row else "unknown here, skipped."
     whole = text and (row is None or row.takes_text or not words)
-    return ExplainedCommand(code, told, (text,) if whole else tuple(words))
+    return ExplainedCommand(code, meaning, (text,) if whole else tuple(words))
 
 
 def _move(move: _core.Move, hz: int, names: list[str], unit: str) -> ExplainedMove:

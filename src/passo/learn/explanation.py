@@ -114,31 +114,33 @@ class Explanation:
     unseen: bool = False
 
 
-def explanation_text(told: Explanation) -> str:
+def explanation_text(explanation: Explanation) -> str:
     """The text of `passo explain`."""
-    parts = [f"{told.place}: {told.line}", _commands(told)]
-    if told.macros:
-        parts.append(_macros(told.macros))
-    if not told.planned:
+    parts = [f"{explanation.place}: {explanation.line}", _commands(explanation)]
+    if explanation.macros:
+        parts.append(_macros(explanation.macros))
+    if not explanation.planned:
         parts.append(
             "The lines of the sub-program move; explain one of them."
-            if told.sub_program
+            if explanation.sub_program
             else "This line moves nothing, so there is no plan and no step of its own."
         )
         return "\n\n".join(parts)
-    if len(told.moves) < told.planned:
-        parts.append(f"The line became {told.planned} planned moves; the first and the last:")
-    parts += [_move(move) for move in told.moves]
-    parts.append(f"Junction before: {told.junction_before}.")
-    parts.append(f"Junction after: {told.junction_after}.")
-    if told.filters:
+    if len(explanation.moves) < explanation.planned:
         parts.append(
-            "\n".join(("Filters between plan and steps:", *(f"  {x}" for x in told.filters)))
+            f"The line became {explanation.planned} planned moves; the first and the last:"
         )
-    parts.append(_steps(told.steps))
-    if told.wire or not told.unseen:
-        parts.append(_wire(told))
-    if told.unseen:
+    parts += [_move(move) for move in explanation.moves]
+    parts.append(f"Junction before: {explanation.junction_before}.")
+    parts.append(f"Junction after: {explanation.junction_after}.")
+    if explanation.filters:
+        parts.append(
+            "\n".join(("Filters between plan and steps:", *(f"  {x}" for x in explanation.filters)))
+        )
+    parts.append(_steps(explanation.steps))
+    if explanation.wire or not explanation.unseen:
+        parts.append(_wire(explanation))
+    if explanation.unseen:
         parts.append(
             "The commands for a simulated board with Passo's firmware are not shown;"
             ' with firmware = "virtual" they are.'
@@ -146,14 +148,14 @@ def explanation_text(told: Explanation) -> str:
     return "\n\n".join(parts)
 
 
-def _commands(told: Explanation) -> str:
+def _commands(explanation: Explanation) -> str:
     rows: list[str] = []
-    if told.number:
-        sum_ = "; its checksum is right" if told.checksum else ""
-        rows.append(f"The line has the number {told.number}, which is skipped{sum_}.")
-    if not told.commands:
+    if explanation.number:
+        sum_ = "; its checksum is right" if explanation.checksum else ""
+        rows.append(f"The line has the number {explanation.number}, which is skipped{sum_}.")
+    if not explanation.commands:
         rows.append("There is no command on this line.")
-    for command in told.commands:
+    for command in explanation.commands:
         rows.append(f"{command.code}: {command.text}" if command.code else command.text)
         rows += [f"  {word}" for word in command.words]
     return "\n".join(rows)
@@ -210,22 +212,23 @@ def _steps(steps: Sequence[ExplainedSteps]) -> str:
     return "\n".join(rows)
 
 
-def _wire(told: Explanation) -> str:
-    if not told.wire:
+def _wire(explanation: Explanation) -> str:
+    if not explanation.wire:
         return "On the wire: nothing of this line."
     ticks = [
-        f"{ns:.1f} ns{f' on {name}' * (name != MAIN)}" for name, ns in (told.tick_ns or {}).items()
+        f"{ns:.1f} ns{f' on {name}' * (name != MAIN)}"
+        for name, ns in (explanation.tick_ns or {}).items()
     ]
     rows = [
         "On the wire: an interval is the ticks to the first step, `count` the steps, `add` what",
         f"the interval grows by after each; a tick is {', '.join(ticks)}. "
-        f"{len(told.wire)} commands:",
+        f"{len(explanation.wire)} commands:",
     ]
-    for command in told.wire[:_MAX_WIRE]:
+    for command in explanation.wire[:_MAX_WIRE]:
         where = f"{command.board}: " * (command.board != MAIN)
         rows.append(f"  {command.payload:<30} {where}{command.motor}: {command.text}")
-    if len(told.wire) > _MAX_WIRE:
-        rows.append(f"  and {len(told.wire) - _MAX_WIRE} more")
+    if len(explanation.wire) > _MAX_WIRE:
+        rows.append(f"  and {len(explanation.wire) - _MAX_WIRE} more")
     rows.append("A frame with the first of them alone (length, sequence, payload, CRC, 7e):")
-    rows.append(f"  {told.frame}")
+    rows.append(f"  {explanation.frame}")
     return "\n".join(rows)

@@ -71,7 +71,7 @@ def assembled(
     variables = VariableFile(None if folder is None else folder / "variables.json")
     meshes = MeshStore() if folder is None else MeshFolder(folder / "meshes")
     printer = Printer(machine, free=free, skips=skips, variables=variables, meshes=meshes)
-    listen = printer.state.unheard.append
+    listen = printer.state.unreported.append
     printer.state.listeners.append(listen)
     try:
         if folder is not None:

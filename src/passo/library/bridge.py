@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from passo.printer.unfit_commands import Skips
     from passo.services.observer import Observer
     from passo.services.services import Services
-    from passo.web.bridge import Hearer, Listener
+    from passo.web.bridge import Listener, OnLine
 
 _T = TypeVar("_T")
 TICK_S = 0.25  # between two snapshots, of host time, or of print time if that is faster
@@ -74,7 +74,7 @@ class LiveBridge:
         self._line_listeners: list[
             tuple[asyncio.AbstractEventLoop, Callable[[ConsoleLine], None]]
         ] = []  # changed in the printer's loop
-        self._latest = self._told = self._snapshot(0)
+        self._latest = self._published = self._snapshot(0)
         self._ends = [
             observer.on_status(lambda _: self._tick(), every_s=TICK_S),
             observer.on_event(self._event),
@@ -109,8 +109,8 @@ class LiveBridge:
 
     def _tick(self) -> None:
         self._refresh()
-        if (snapshot := self._latest) is not self._told:
-            self._told = snapshot
+        if (snapshot := self._latest) is not self._published:
+            self._published = snapshot
             self._tell(lambda listener: listener.on_snapshot(snapshot))
 
     def _called(self) -> None:
@@ -118,7 +118,7 @@ class LiveBridge:
         many calls do not cause many messages, or at once if the state of the printer or of the
         print has changed."""
         self._refresh()
-        if _does(self._latest) != _does(self._told):
+        if _does(self._latest) != _does(self._published):
             self._tick()
 
     def _tell(self, tell: Callable[[Listener], None]) -> None:
@@ -127,27 +127,27 @@ class LiveBridge:
             _call(loop, partial(_tell_each, listeners, tell))
 
     async def _run(
-        self, script: Sequence[str | Command], heard: Hearer | None, sender: str
+        self, script: Sequence[str | Command], on_line: OnLine | None, sender: str
     ) -> tuple[str, ...]:
         try:
-            return await self._carry_out(script, heard, sender)
+            return await self._carry_out(script, on_line, sender)
         finally:
             self._called()
 
     async def _carry_out(
-        self, script: Sequence[str | Command], heard: Hearer | None, sender: str
+        self, script: Sequence[str | Command], on_line: OnLine | None, sender: str
     ) -> tuple[str, ...]:
         if self._overtakes(script):
-            return await self._send(self._overtaking, script, heard, sender)
+            return await self._send(self._overtaking, script, on_line, sender)
         self._in_turn += 1
         try:
             async with self._turn:
-                return await self._send(self._scripts, script, heard, sender)
+                return await self._send(self._scripts, script, on_line, sender)
         finally:
             self._in_turn -= 1
 
     async def _send(
-        self, client: Client, script: Sequence[str | Command], heard: Hearer | None, sender: str
+        self, client: Client, script: Sequence[str | Command], on_line: OnLine | None, sender: str
     ) -> tuple[str, ...]:
         client.sender = sender
         self._control.rig.commands.klipper.unrestored.clear()
@@ -155,7 +155,7 @@ class LiveBridge:
         try:
             for one in script:
                 line = isinstance(one, str)
-                reply = await (client.send(one, heard) if line else client.execute(one, heard))
+                reply = await (client.send(one, on_line) if line else client.execute(one, on_line))
                 answers += reply.lines
         except PassoError:
             await self._restore_states(client)
@@ -270,17 +270,17 @@ class LiveBridge:
         return lambda: _call(self._loop, end)
 
     async def run(
-        self, script: str, heard: Hearer | None = None, *, sender: str = ""
+        self, script: str, on_line: OnLine | None = None, *, sender: str = ""
     ) -> tuple[str, ...]:
         """Like `Bridge.run`."""
         loop = asyncio.get_running_loop()
 
         def cross_back(line: str) -> None:
-            if heard is not None:
-                _call(loop, partial(heard, line))
+            if on_line is not None:
+                _call(loop, partial(on_line, line))
 
         lines = script.splitlines()
-        return await self._cross(self._run(lines, None if heard is None else cross_back, sender))
+        return await self._cross(self._run(lines, None if on_line is None else cross_back, sender))
 
     async def call(self, *commands: Command, sender: str = "") -> tuple[str, ...]:
         """Like `Bridge.call`."""

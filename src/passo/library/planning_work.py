@@ -57,8 +57,8 @@ def find_explanation(
             why = error.strerror or str(error)
             raise InputError.of("output.unwritable", folder, value=why) from None
         try:
-            told = explain(machine, path, line, Policy())
+            explanation = explain(machine, path, line, Policy())
         except PassoError as error:
             problems = [replace(p, file=name if p.file else "") for p in error.problems]
             raise type(error)(problems) from None
-        return replace(told, place=f"{name}:{line}")
+        return replace(explanation, place=f"{name}:{line}")

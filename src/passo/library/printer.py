@@ -285,7 +285,7 @@ class Printer:
         is halted."""
         printer = self._printer
         halted = (f"Printer halted: {printer.state.why_halted}",) if printer.state.halted else ()
-        return (*printer.state.unheard, *halted)
+        return (*printer.state.unreported, *halted)
 
     def show_message(self, text: str) -> None:
         """Shows a line on all consoles."""

@@ -27,7 +27,7 @@ class BedCorrection:
         self.correction: Correction | None = None
         self.on = False
 
-    def begin(self) -> None:
+    def reset(self) -> None:
         """Call this after the boards and the plan have been replaced."""
         self._suspended = False
         self._apply()

@@ -93,9 +93,9 @@ class Homer:
         self._axes = axis_order(self._machine.axes)
         self._switches = switches(self._machine)
         self._joints = False
-        self.begin()
+        self.reset()
 
-    def begin(self) -> None:
+    def reset(self) -> None:
         """Call this after the boards have been replaced."""
         self.offset_mm: dict[str, float] = {}  # of M206, by axis, at the last homing
 
@@ -169,19 +169,21 @@ class Homer:
             square = self._rig.square(lambda: bool(self._interrupts.halted))
             with self._correction.suspended(), square, self._triggered.prepared():
                 geometry = self._machine.geometry
-                ways = [
-                    self._way(name, geometry.actuators if name in geometry.arms else self._axes)
+                homings = [
+                    self._homing_of(
+                        name, geometry.actuators if name in geometry.arms else self._axes
+                    )
                     for name in travel
                 ]
-                await self._together(ways, once)
+                await self._together(homings, once)
 
     async def stall_within(self, name: str, far: float, back: float | None) -> float | None:
         """Moves an axis by at most `far` towards its end until its motor stalls, and then `back`,
         by default as far as it has moved. Returns the travel until the stall; None if it did not
         stall. The axis is not homed afterwards."""
         actuators, arms = self._machine.geometry.actuators, self._machine.geometry.arms
-        way = self._way(name, actuators if name in arms else self._axes)
-        speed_of = dict.fromkeys(way.switches, way.config.fast)
+        homing = self._homing_of(name, actuators if name in arms else self._axes)
+        speed_of = dict.fromkeys(homing.switches, homing.config.fast)
         with self._homing():
             square = self._rig.square(lambda: bool(self._interrupts.halted))
             with self._correction.suspended(), square, self._triggered.prepared():
@@ -189,27 +191,27 @@ class Homer:
                 job.axes.use_joints(name in arms)
                 try:
                     async with self._stalls.detecting(speed_of):
-                        moved = await self._stall_at_most(way, far)
+                        moved = await self._stall_at_most(homing, far)
                         by = far if moved is None else moved if back is None else back
-                        await self._go([-by], [way])
+                        await self._go([-by], [homing])
                     return moved
                 finally:
                     job.axes.use_joints(False)
                     self._rig.lock(self._machine.axes_of_arms if name in arms else [name])
 
-    async def _stall_at_most(self, way: _HomingAxis, far: float) -> float | None:
-        stuck = await self._stalls.still_shown(way.switches)
+    async def _stall_at_most(self, homing: _HomingAxis, far: float) -> float | None:
+        stuck = await self._stalls.still_shown(homing.switches)
         if stuck is not None:
             raise self._problem("machine.stall-shown", stuck, 0.0)
-        self._place(way, way.home - way.sign * far)
-        before = self._stalls.counts(way.switches)
+        self._place(homing, homing.home - homing.sign * far)
+        before = self._stalls.counts(homing.switches)
         try:
-            await self._seek([way], [far], [way.config.fast])
+            await self._seek([homing], [far], [homing.config.fast])
         except CommandError as error:
             if error.problems[0].code != "machine.stall-missed":
                 raise
             return None
-        return self._stalls.travel(way.switches, before)
+        return self._stalls.travel(homing.switches, before)
 
     @contextmanager
     def _homing(self) -> Generator[None]:
@@ -296,17 +298,17 @@ class Homer:
         axis that homes by a stall moves alone."""
         batch: list[_HomingAxis] = []
         with self._triggered.prepared():
-            for way in self._ways(names, everything=everything):
-                arms = is_actuator(self._machine, way.name)
-                alone = not arms and any(w.config.stall for w in (way, *batch))
-                if (batch and alone) or any(way.steppers & other.steppers for other in batch):
+            for homing in self._homings(names, everything=everything):
+                arms = is_actuator(self._machine, homing.name)
+                alone = not arms and any(w.config.stall for w in (homing, *batch))
+                if (batch and alone) or any(homing.steppers & other.steppers for other in batch):
                     await self._together(batch)
                     batch = []
-                batch.append(way)
+                batch.append(homing)
             if batch:
                 await self._together(batch)
 
-    def _ways(self, names: Sequence[str], *, everything: bool) -> list[_HomingAxis]:
+    def _homings(self, names: Sequence[str], *, everything: bool) -> list[_HomingAxis]:
         """The axes and arms to home, arms first. The Z of a delta with a Z endstop needs the arms
         only for its position."""
         machine, homing = self._machine, self._machine.homing
@@ -314,13 +316,15 @@ class Homer:
         wanted: set[str] = of_arms & set(names)
         if wanted == {"z"} and "z" in homing and not self._rig.job.locked_axes:
             wanted = set[str]()
-        ways = [self._way(n, machine.geometry.actuators) for n in machine.geometry.arms if wanted]
+        homings = [
+            self._homing_of(n, machine.geometry.actuators) for n in machine.geometry.arms if wanted
+        ]
         for name in names:
             if name in homing and (homing[name].by_default or not everything):
-                ways.append(self._way(name, self._axes))
-        return ways
+                homings.append(self._homing_of(name, self._axes))
+        return homings
 
-    def _way(self, name: str, among: Sequence[str]) -> _HomingAxis:
+    def _homing_of(self, name: str, among: Sequence[str]) -> _HomingAxis:
         config = self._machine.homing[name]
         sign = 1.0 if config.direction == "max" else -1.0
         return _HomingAxis(name, among.index(name), sign, config, self._switches_of(name))
@@ -343,13 +347,13 @@ class Homer:
 
     async def _together(
         self,
-        ways: Sequence[_HomingAxis],
+        homings: Sequence[_HomingAxis],
         once: Mapping[str, tuple[float, float]] | None = None,
     ) -> None:
         """Homes axes and arms that share no motor at the same time: fast, back, slowly; or `once`,
         with the maximum distance and the speed for each."""
         rig, job = self._rig, self._rig.job
-        arms = any(is_actuator(self._machine, way.name) for way in ways)
+        arms = any(is_actuator(self._machine, homing.name) for homing in homings)
         of_arms = self._machine.axes_of_arms if arms else ()
 
         def point_of_arms(joints: Sequence[float]) -> dict[str, float]:
@@ -360,77 +364,82 @@ class Homer:
             point = zip("xyz", self._machine.geometry.forward((a, b, c)), strict=True)
             return {name: at for name, at in point if name in of_arms}
 
-        names = [w.name for w in ways if not is_actuator(self._machine, w.name)]
+        names = [w.name for w in homings if not is_actuator(self._machine, w.name)]
         self._joints = arms
-        behind = {way.name: self._behind(way) for way in ways}
+        behind = {homing.name: self._behind(homing) for homing in homings}
         real = RealTravel(rig)  # the search lets the positions of the plan be wrong
         try:
             job.axes.use_joints(arms)
-            travel = [once[w.name][0] if once else self.travel(w.name) for w in ways]
-            speeds = [once[w.name][1] if once else w.config.fast for w in ways]
-            for way, far in zip(ways, travel, strict=True):
-                self._place(way, way.home - way.sign * far)
-            if any(way.config.stall for way in ways):
-                await self._by_stall(ways, travel, speeds, once=once is not None)
+            travel = [once[w.name][0] if once else self.travel(w.name) for w in homings]
+            speeds = [once[w.name][1] if once else w.config.fast for w in homings]
+            for homing, far in zip(homings, travel, strict=True):
+                self._place(homing, homing.home - homing.sign * far)
+            if any(homing.config.stall for homing in homings):
+                await self._by_stall(homings, travel, speeds, once=once is not None)
             else:
-                await self._seek(ways, travel, speeds)
+                await self._seek(homings, travel, speeds)
                 if not once:
-                    await self._again(ways, behind)
+                    await self._again(homings, behind)
         except BaseException as failure:
             self._set(point_of_arms(self._arms_at_home(job.machine_position[Z])))
             try:
                 # Boards that have lost each other may not answer for their counts.
                 lost = isinstance(failure, PassoError) and failure.problems[0].code == _LOST
                 if not lost and not isinstance(failure, MachineError):
-                    self._keep_count(real, [way for way in ways if way.name in names])
+                    self._keep_count(
+                        real,
+                        [homing for homing in homings if homing.name in names],
+                    )
             finally:
                 rig.lock([*of_arms, *names])
             raise
-        found = {w.name: self._at(w.slot) + await self._level(w) for w in ways if w.name in names}
+        found = {
+            w.name: self._at(w.slot) + await self._level(w) for w in homings if w.name in names
+        }
         found |= point_of_arms(job.machine_position[:3])
         self.offset_mm |= {n: self._offsets.home_mm[n] for n in found}
         self._set({n: at + self.offset_mm[n] for n, at in found.items()})
 
-    def _keep_count(self, real: RealTravel, ways: Sequence[_HomingAxis]) -> None:
+    def _keep_count(self, real: RealTravel, homings: Sequence[_HomingAxis]) -> None:
         """After a failure, axes are where their motors have really moved them to."""
-        if self._interrupts.halted or not ways:
+        if self._interrupts.halted or not homings:
             return
         with suppress(Unreachable):  # the arms stopped where no position belongs to them
             place = real.place()
-            for way in ways:
-                self._place(way, place[way.axis])
+            for homing in homings:
+                self._place(homing, place[homing.axis])
 
-    def _behind(self, way: _HomingAxis) -> float:
+    def _behind(self, homing: _HomingAxis) -> float:
         """How far behind its home position an axis may be, where its endstops stay triggered, mm:
         as far as it reaches or, if it is homed, is."""
-        axis = self._machine.axes.get(way.name)
-        if axis is None or is_actuator(self._machine, way.name):
+        axis = self._machine.axes.get(homing.name)
+        if axis is None or is_actuator(self._machine, homing.name):
             return 0.0
-        at = axis.max_mm if way.sign > 0 else axis.min_mm
-        if way.axis not in self._rig.job.locked_axes:
-            at = self._at(way.slot) - self.offset_mm.get(way.name, 0.0)
-        return max(0.0, way.sign * (at - way.home))
+        at = axis.max_mm if homing.sign > 0 else axis.min_mm
+        if homing.axis not in self._rig.job.locked_axes:
+            at = self._at(homing.slot) - self.offset_mm.get(homing.name, 0.0)
+        return max(0.0, homing.sign * (at - homing.home))
 
-    async def _again(self, ways: Sequence[_HomingAxis], behind: Mapping[str, float]) -> None:
+    async def _again(self, homings: Sequence[_HomingAxis], behind: Mapping[str, float]) -> None:
         """Moves back from the endstops, which must open, and then slowly to them. An axis that was
         `behind` its endstops moves on in the same steps until they open."""
-        pressed, steps = list(ways), 0
+        pressed, steps = list(homings), 0
         while pressed:
             await self._go([-w.config.retract for w in pressed], pressed)
             steps += 1
-            for way in [*pressed]:
-                stuck = [s for s in way.switches if self._endstops.pressed(s.name)]
+            for homing in [*pressed]:
+                stuck = [s for s in homing.switches if self._endstops.pressed(s.name)]
                 if not stuck:
-                    pressed.remove(way)
-                elif steps * way.config.retract >= behind[way.name] + way.config.retract:
-                    far = steps * way.config.retract
+                    pressed.remove(homing)
+                elif steps * homing.config.retract >= behind[homing.name] + homing.config.retract:
+                    far = steps * homing.config.retract
                     raise self._problem("machine.switch-stuck", stuck[0], far)
-        slow = [SLOW_OVERRUN * w.config.retract for w in ways]
-        await self._seek(ways, slow, [w.config.slow for w in ways])
+        slow = [SLOW_OVERRUN * w.config.retract for w in homings]
+        await self._seek(homings, slow, [w.config.slow for w in homings])
 
     async def _by_stall(
         self,
-        ways: Sequence[_HomingAxis],
+        homings: Sequence[_HomingAxis],
         travel: Sequence[float],
         speeds: Sequence[float],
         *,
@@ -439,39 +448,44 @@ class Homer:
         """Moves axes until their motors stall, and a little back. A stall within the first
         millimetres does not count: the axis was at its end, or the threshold is wrong. Then they
         move away and home once more, unless `once`."""
-        of = {way.name: [switch for switch in way.switches if switch.watched] for way in ways}
+        of = {
+            homing.name: [switch for switch in homing.switches if switch.watched]
+            for homing in homings
+        }
         watched = [switch for switches in of.values() for switch in switches]
-        speed_of = {s: v for w, v in zip(ways, speeds, strict=True) for s in of[w.name]}
+        speed_of = {s: v for w, v in zip(homings, speeds, strict=True) for s in of[w.name]}
         async with self._stalls.detecting(speed_of):
             for last in (once, True):
                 stuck = await self._stalls.still_shown(watched)
                 if stuck is not None:
                     raise self._problem("machine.stall-shown", stuck, 0.0)
-                for way, far in zip(ways, travel, strict=True):
-                    self._place(way, way.home - way.sign * far)
+                for homing, far in zip(homings, travel, strict=True):
+                    self._place(homing, homing.home - homing.sign * far)
                 before = self._stalls.counts(watched)
-                await self._seek(ways, travel, speeds)
-                moved = {w.name: self._stalls.travel(of[w.name], before) for w in ways}
-                early = [w for w in ways if moved[w.name] < _least_travel(w)]
+                await self._seek(homings, travel, speeds)
+                moved = {w.name: self._stalls.travel(of[w.name], before) for w in homings}
+                early = [w for w in homings if moved[w.name] < _least_travel(w)]
                 if not early:
                     break
                 if last:
-                    way = early[0]
-                    raise self._problem("machine.stall-early", way.switches[0], moved[way.name])
-                await self._go([-2 * _least_travel(way) for way in ways], ways)
+                    homing = early[0]
+                    raise self._problem(
+                        "machine.stall-early", homing.switches[0], moved[homing.name]
+                    )
+                await self._go([-2 * _least_travel(homing) for homing in homings], homings)
             if not once:
-                await self._go([-way.config.retract for way in ways], ways)
+                await self._go([-homing.config.retract for homing in homings], homings)
 
-    async def _level(self, way: _HomingAxis) -> float:
+    async def _level(self, homing: _HomingAxis) -> float:
         """Aligns the motors of an axis, each of which is at its own endstop, with the innermost
         motor. Returns the distance of that position from home."""
-        offsets_mm = way.config.offsets_mm
+        offsets_mm = homing.config.offsets_mm
         if not offsets_mm:
             return 0.0
-        at = {name: offsets_mm.get(name, 0.0) for name in way.config.stepper_pins}
-        inside = way.sign * min(way.sign * mm for mm in at.values())
+        at = {name: offsets_mm.get(name, 0.0) for name in homing.config.stepper_pins}
+        inside = homing.sign * min(homing.sign * mm for mm in at.values())
         by_mm = {name: inside - mm for name, mm in at.items()}
-        await self._lone_motors.move(way.name, by_mm, way.config.fast)
+        await self._lone_motors.move(homing.name, by_mm, homing.config.fast)
         return inside
 
     def _arms_at_home(self, z: float) -> list[float]:
@@ -483,12 +497,12 @@ class Homer:
         ]
 
     async def _seek(
-        self, ways: Sequence[_HomingAxis], travel: Sequence[float], speeds: Sequence[float]
+        self, homings: Sequence[_HomingAxis], travel: Sequence[float], speeds: Sequence[float]
     ) -> None:
         """Moves all axes at the same time, each at its own speed, until all their endstops are
         triggered."""
         rig = self._rig
-        finest = max(speed * self._steps(w) for speed, w in zip(speeds, ways, strict=True))
+        finest = max(speed * self._steps(w) for speed, w in zip(speeds, homings, strict=True))
         times = [t / v for t, v in zip(travel, speeds, strict=True)]
 
         def move() -> None:
@@ -496,50 +510,52 @@ class Homer:
             for end in sorted(set(times)):
                 target: dict[int, float] = {}
                 square = 0.0
-                for way, time, speed in zip(ways, times, speeds, strict=True):
+                for homing, time, speed in zip(homings, times, speeds, strict=True):
                     if time >= end:
-                        target[way.slot] = self._at(way.slot) + way.sign * speed * (end - passed)
+                        target[homing.slot] = self._at(homing.slot) + homing.sign * speed * (
+                            end - passed
+                        )
                         square += speed * speed
                 rig.queue.move(target, math.sqrt(square), Within.ANYTHING)
                 passed = end
 
-        switches = [switch for way in ways for switch in way.switches]
+        switches = [switch for homing in homings for switch in homing.switches]
         overshoot = await self._triggered.run(switches, finest, move, joints=self._joints)
         self._interrupts.raise_if_interrupted()
-        for way in ways:
-            for switch in way.switches:
+        for homing in homings:
+            for switch in homing.switches:
                 if switch.name in self._endstops.expired:
                     raise self._problem(_LOST, switch, 0.0)
                 if switch.name not in self._endstops.hit:
-                    far = travel[list(ways).index(way)]
+                    far = travel[list(homings).index(homing)]
                     missed = "machine.stall-missed" if switch.watched else "machine.switch-missed"
                     raise self._problem(missed, switch, far)
         overshoot.measure(switches)
-        for way in ways:
-            rig.job.axes.set([(way.axis, way.home)], triggered=True)
+        for homing in homings:
+            rig.job.axes.set([(homing.axis, homing.home)], triggered=True)
         rig.job.axes.set(overshoot.places())
 
-    async def _go(self, by: Sequence[float], ways: Sequence[_HomingAxis]) -> None:
+    async def _go(self, by: Sequence[float], homings: Sequence[_HomingAxis]) -> None:
         """Moves these axes together, each by its distance towards its endstops."""
         rig = self._rig
         target: dict[int, float] = {}
         square = 0.0
-        for way, distance in zip(ways, by, strict=True):
-            target[way.slot] = self._at(way.slot) + way.sign * distance
-            square += way.config.fast**2
+        for homing, distance in zip(homings, by, strict=True):
+            target[homing.slot] = self._at(homing.slot) + homing.sign * distance
+            square += homing.config.fast**2
         rig.queue.move(target, math.sqrt(square), Within.ANYTHING)
         rig.queue.flush()
         await self._triggered.standstill()
         self._interrupts.raise_if_interrupted()
 
-    def _steps(self, way: _HomingAxis) -> float:
-        return max(self._machine.steppers[s].steps_per_unit for s in way.steppers)
+    def _steps(self, homing: _HomingAxis) -> float:
+        return max(self._machine.steppers[s].steps_per_unit for s in homing.steppers)
 
     def _at(self, slot: int) -> float:
         return self._rig.job.machine_position[slot]
 
-    def _place(self, way: _HomingAxis, at: float) -> None:
-        self._rig.job.axes.set([(way.axis, at)])
+    def _place(self, homing: _HomingAxis, at: float) -> None:
+        self._rig.job.axes.set([(homing.axis, at)])
 
     def _set(self, places: dict[str, float]) -> None:
         self._rig.job.axes.set([(self._axes.index(n), at) for n, at in places.items()], homed=True)
@@ -561,6 +577,6 @@ class Homer:
         )
 
 
-def _least_travel(way: _HomingAxis) -> float:
+def _least_travel(homing: _HomingAxis) -> float:
     """The travel within which a stall of an axis does not count."""
-    return way.config.stall.min_travel if way.config.stall else 0.0
+    return homing.config.stall.min_travel if homing.config.stall else 0.0

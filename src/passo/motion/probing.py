@@ -87,7 +87,7 @@ class Prober:
         self.after_descent: list[Callable[[], Awaitable[None]]] = []
         self._armed = False
         self.reset()
-        self.begin()
+        self.restarted()
 
     @property
     def _machine(self) -> MachineConfig:
@@ -105,7 +105,7 @@ class Prober:
             self.trigger_height_mm = self._sensing.trigger_height_mm
             self.twist = dict(self._sensing.twist)
 
-    def begin(self) -> None:
+    def restarted(self) -> None:
         """Call this after the boards have started or been replaced: a servo stows its probe."""
         self._deployed = False  # by M401: the probe stays deployed between runs
         probe = self._machine.probe

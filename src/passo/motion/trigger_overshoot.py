@@ -26,7 +26,7 @@ class TriggerOvershoot:
         self._rig, self._endstops, self._joints = rig, endstops, joints
         self._machine = rig.machine
         self._lost = dict(rig.positions.lost)
-        self._ways: dict[Driven, float] = {}
+        self._travels: dict[Driven, float] = {}
         self._hit_at: dict[str, Sequence[float]] = {}
 
     def look(self) -> None:
@@ -46,17 +46,17 @@ class TriggerOvershoot:
             for stepper in switch.steppers:
                 driven = self._driven(stepper)
                 if driven not in at_once and switch.name in self._hit_at:
-                    self._ways[driven] = self._way(stepper, driven, self._hit_at[switch.name])
+                    self._travels[driven] = self._travel(stepper, driven, self._hit_at[switch.name])
 
     def places(self) -> list[tuple[int, float]]:
         """The axes (or actuators) that moved on after the trigger: their positions by number,
         relative to a plan that assumes the trigger positions."""
-        if not any(self._ways.values()):
+        if not any(self._travels.values()):
             return []
         position = self._rig.job.machine_position
         joints = self._actuators(position)
         places: list[tuple[int, float]] = []
-        for driven, by in self._ways.items():
+        for driven, by in self._travels.items():
             if driven.drive == "axis":
                 places.append((driven.index, position[slot_of_axis(driven.index)] + by))
             else:
@@ -83,7 +83,7 @@ class TriggerOvershoot:
         not stop have their final positions."""
         self.measure([switch])
         joints = list(self.stopped())
-        for driven, by in self._ways.items():
+        for driven, by in self._travels.items():
             if driven.drive == "actuator":
                 joints[driven.index] -= by
         a, b, c = joints
@@ -93,7 +93,7 @@ class TriggerOvershoot:
         """The steps of the plan that the stop has cut off."""
         return self._rig.positions.lost[stepper] - self._lost.get(stepper, 0)
 
-    def _way(self, stepper: str, driven: Driven, hit_at: Sequence[float]) -> float:
+    def _travel(self, stepper: str, driven: Driven, hit_at: Sequence[float]) -> float:
         """The travel of an actuator, or an axis, from the trigger to the stop."""
         row = next(r for r in self._rig.job.motors.statistics() if r["name"] == stepper)
         lost = self._lost_steps(stepper)

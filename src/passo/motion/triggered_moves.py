@@ -43,9 +43,9 @@ class TriggeredMoves:
         self._order = [row["name"] for row in rig.machine.core_spec()["steppers"]]
         self._active = False
         self.starts: list[Callable[[], None]] = []
-        self.begin()
+        self.reset()
 
-    def begin(self) -> None:
+    def reset(self) -> None:
         """Call this after the boards have been replaced."""
         self.endstops = Endstops(self._rig.connection)
         self._active = False

@@ -83,7 +83,7 @@ class Dispatch:
             and (needs is None or needs(self._rig.machine))
         )
 
-    def begin(self) -> None:
+    def reset(self) -> None:
         """Call this after the boards and the job have been replaced."""
         self._from_console = False
 

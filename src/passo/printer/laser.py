@@ -16,7 +16,7 @@ class Laser:
         self._rig, self._state = rig, state
         self._blanked = False  # temporarily off
 
-    def begin(self) -> None:
+    def reset(self) -> None:
         """Call this after the boards have been replaced, with all outputs off."""
         self._blanked = False
 

@@ -38,7 +38,7 @@ class RunningEffects:
         self._loop = asyncio.get_running_loop()
         self.shown: dict[str, tuple[Color, ...]] = {}  # by light, while effects run
 
-    def begin(self) -> None:
+    def reset(self) -> None:
         """Call this after the boards have started."""
         self._since_s = {name: 0.0 for name, effect in self._effects.items() if effect.starts}
         self.shown.clear()

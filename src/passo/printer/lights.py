@@ -35,10 +35,10 @@ class LightFrames:
         self.effects = RunningEffects(rig, self._base, self._overlay, progress)
         self._number = 0
 
-    def begin(self, boards: Boards) -> None:
+    def reset(self, boards: Boards) -> None:
         """Call this after the boards have started: the lights show the colours of the start."""
         self._planned.clear()
-        self.effects.begin()
+        self.effects.reset()
         for name, light in self._lights.items():
             self._show(boards, name, (start_color(light),) * light.count)
 

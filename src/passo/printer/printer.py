@@ -176,19 +176,19 @@ class Printer:
         rig = self.rig
         self._first_faults = []
         self.state.start_failure = None
-        self.outputs.laser.begin()
+        self.outputs.laser.reset()
         connection.keep_frames()
         if connection.survives:
             connection.arm(True)  # from here on, a late message does not shut a board down
-        self.outputs.power_supply.begin(connection)
-        self.outputs.beeper.begin(connection)
+        self.outputs.power_supply.reset(connection)
+        self.outputs.beeper.reset(connection)
         failure = self._first_reports(connection)
         if failure is not None and not first:
             raise failure
         rig.connect(connection)
         connection.set_on_fault(self._heater_failed)
         try:
-            self.drivers.begin(connection)
+            self.drivers.set_up(connection)
         except MachineError as error:
             if not first:
                 raise
@@ -199,10 +199,10 @@ class Printer:
             lambda: self.status.read(),  # it is built after the first start
             self.outputs.lights,
         )
-        rig.commands.outputs.begin(adopted=connection.adopted)
-        rig.commands.lights.begin(adopted=connection.adopted)
-        rig.commands.servos.begin(adopted=connection.adopted)
-        self.outputs.lights.begin(connection)
+        rig.commands.outputs.reset(adopted=connection.adopted)
+        rig.commands.lights.reset(adopted=connection.adopted)
+        rig.commands.servos.reset(adopted=connection.adopted)
+        self.outputs.lights.reset(connection)
         rig.queue.on_motion = self._before_motion
         rig.queue.on_pass = self._time_passed
         if connection.adopted:
@@ -222,12 +222,12 @@ class Printer:
         self.outputs.motors.forget()
         lines = list(self.settings.lines())
         self._begin(reconnected(self.rig.connection), first=False)
-        self.suspension.begin()
-        self.motion.begin()
-        self.levelling.manual_probe.begin()
-        self.dispatch.begin()
-        self.endstops.begin()
-        self.inputs.filament.begin()
+        self.suspension.reset()
+        self.motion.reset()
+        self.levelling.manual_probe.reset()
+        self.dispatch.reset()
+        self.endstops.reset()
+        self.inputs.filament.reset()
         state.restarted()
         for line in lines:
             self.dispatch.take_setting(line, NullReply())

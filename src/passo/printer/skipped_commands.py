@@ -50,10 +50,10 @@ class SkippedCommands:
 
     def warnings(self, file: str, others: Counts) -> list[str]:
         """One sentence for each skipped code, those of `others`, and one for a truncated file."""
-        told = [(why.value, counts) for why, counts in self._counts.items()] + [("{}", others)]
+        reasons = [(why.value, counts) for why, counts in self._counts.items()] + [("{}", others)]
         cut = f"{file}:{self.cut_at}: the file ends in the middle of a line, it may be cut short"
         return [
             f"{file}:{line}: {sentence.format(what)} ({times} {'time' if times == 1 else 'times'})"
-            for sentence, counts in told
+            for sentence, counts in reasons
             for what, (line, times) in counts.items()
         ] + ([cut] if self.cut_at else [])

@@ -40,7 +40,7 @@ class State:
         self.start_failure: MachineError | None = None
         self.console_lines = ConsoleLines(asyncio.get_running_loop().time)
         # messages from before the first console, for the first console that opens
-        self.unheard: list[str] = []
+        self.unreported: list[str] = []
         self.listeners: list[Callable[[str], None]] = []
         self.command_listeners: list[Callable[[Command, Reply], None]] = []  # of executed commands
         # called when a line of a console begins, or is `done`
@@ -115,8 +115,8 @@ class State:
     @property
     def why_halted(self) -> str:
         """The reason why the printer is halted, and the next action."""
-        said = self.halted.endswith("M999")
-        return self.halted if said else f"{self.halted}. Make the printer safe, then send M999"
+        named = self.halted.endswith("M999")
+        return self.halted if named else f"{self.halted}. Make the printer safe, then send M999"
 
     @property
     def interrupted(self) -> bool:

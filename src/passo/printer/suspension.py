@@ -12,9 +12,9 @@ class Suspension:
 
     def __init__(self, rig: LiveRig, offsets: Offsets, laser: Laser) -> None:
         self._rig, self._offsets, self._laser = rig, offsets, laser
-        self.begin()
+        self.reset()
 
-    def begin(self) -> None:
+    def reset(self) -> None:
         """Call this after the boards have restarted, with an empty plan."""
         self._tool = 0  # of the job when it was suspended
         self._between_mm = 0.0  # filament moved while jobs were suspended

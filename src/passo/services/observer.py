@@ -78,7 +78,7 @@ class Observer:
         if not (self._listeners or self._event_listeners):
             self._last = self._status.read()  # do not report earlier changes
         self._event_listeners.append(call)
-        for text in self._state.unheard:
+        for text in self._state.unreported:
             self._loop.call_soon(call, Message(text))
         return lambda: _remove(self._event_listeners, call)
 

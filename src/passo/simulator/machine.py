@@ -61,13 +61,13 @@ class SimulatedMachine:
             clock = (clocks or {}).get(name)
             if clock or cable:
                 start_s, drift_ppm = clock or (0.0, 0.0)
-                hz, way = board.board.clock_hz, cable or Cable()
+                hz, delay = board.board.clock_hz, cable or Cable()
                 self._distant[board] = self.devices[name] = _core.Distant(
                     board.device,
                     round(start_s * hz),
                     drift_ppm * 1e-6,
-                    round(way.latency_s * hz),
-                    round(way.jitter_s * hz),
+                    round(delay.latency_s * hz),
+                    round(delay.jitter_s * hz),
                     number + 1,
                 )
 

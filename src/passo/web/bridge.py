@@ -78,7 +78,7 @@ class SimulatedPart:
     active: str
 
 
-Hearer: TypeAlias = Callable[[str], None]  # receives a line, and returns at once
+OnLine: TypeAlias = Callable[[str], None]  # receives a line, and returns at once
 
 
 class Listener(Protocol):
@@ -147,11 +147,11 @@ class Bridge(Protocol):
         ...
 
     async def run(
-        self, script: str, heard: Hearer | None = None, *, sender: str = ""
+        self, script: str, on_line: OnLine | None = None, *, sender: str = ""
     ) -> tuple[str, ...]:
         """Executes lines of G-code, one after the other, and returns the lines of their answers.
         The answer to a move comes when the move is planned. The first line that fails ends the
-        script; the states that it has saved (SAVE_GCODE_STATE) are restored then. `heard` is
+        script; the states that it has saved (SAVE_GCODE_STATE) are restored then. `on_line` is
         called at once with each answer and its console prefix. `sender` is shown with the lines. A
         script waits for earlier ones; only a single line that acts at once (a report, a temperature
         with F, M108, M112) overtakes them.

@@ -335,11 +335,11 @@ def _put_screws(cfg: Cfg, screws: Screws, offset: tuple[float, float] | None) ->
     for number, screw in enumerate(screws.places, 1):
         at, name = f"{screw.x - dx:g}, {screw.y - dy:g}", screw.name
         cfg.put(section, **{f"screw{number}": at, f"screw{number}_name": name})
-    size, _, way = screws.thread.partition(" ")
+    size, _, hand = screws.thread.partition(" ")
     if offset is None:
         cfg.left_out.append("levelling.screws.thread: [bed_screws] has none")
     else:
-        cfg.put(section, screw_thread=f"{way.upper()}-{size}")
+        cfg.put(section, screw_thread=f"{hand.upper()}-{size}")
 
 
 def _put_commands(cfg: Cfg) -> None:

@@ -67,8 +67,8 @@ class BudgetUse:
         """The report for consoles before a print: empty without a budget, and without loads that
         the board handles easily."""
         # a full move queue alone does no harm, because the link waits
-        told = {"slots", *self.worst}
-        near = {k: p for k, p in self.densest.items() if p.load >= _NEAR and k not in told}
+        named = {"slots", *self.worst}
+        near = {k: p for k, p in self.densest.items() if p.load >= _NEAR and k not in named}
         for name, place in near.items():
             yield (
                 f"{file}:{place.line} takes {place.load:.0%} of what {_BOUNDS[name]}".format(

@@ -43,9 +43,9 @@ class FileExecution:
     ) -> None:
         self._control, self._laser, self._file, self._pause = control, laser, file, pause
         self._states, self._reply, self._pause_print = states, reply, pause_print
-        self.begin()
+        self.reset()
 
-    def begin(self) -> None:
+    def reset(self) -> None:
         """Call this when a print begins."""
         self.command: Command | None = None
         self._waits_for: Wait | None = None  # its unfinished wait

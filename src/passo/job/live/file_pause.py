@@ -47,7 +47,7 @@ class FilePause:
         """Whether the print will pause as soon as it resumes."""
         return self.states.now is PauseState.ASKED
 
-    def begin(self) -> None:
+    def reset(self) -> None:
         """Call this when a print begins or is stopped: nothing is suspended."""
         self._macro_left = False
         self.states.enter(PauseState.NONE)

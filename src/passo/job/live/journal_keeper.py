@@ -73,10 +73,10 @@ class JournalKeeper:
         if found is None:
             return ""
         where = f"line {found.line}" if found.line else "its beginning"
-        way = f" {found.way}" if found.way else ""
+        place = f" {found.way}" if found.way else ""
         return (
             f"echo:The print of {found.path} was interrupted at {where}."
-            f" M1000 resumes it{way}, M1000 C forgets it{self._instead}"
+            f" M1000 resumes it{place}, M1000 C forgets it{self._instead}"
         )
 
     def offer_instead(self, skipped: str) -> None:
@@ -88,12 +88,12 @@ class JournalKeeper:
             return None
         program, moment = self._interrupted
         if moment.line == 0:
-            way = "from there"
+            place = "from there"
         elif self._control.rig.positions.held and moment.origins:
-            way = "from where the board has stopped"
+            place = "from where the board has stopped"
         else:
-            way = self._by_hand()
-        return InterruptedPrint(program.path, moment.line, way)
+            place = self._by_hand()
+        return InterruptedPrint(program.path, moment.line, place)
 
     def _by_hand(self) -> str:
         """The manual steps before a resume, for a machine that cannot home all axes."""
@@ -136,8 +136,8 @@ class JournalKeeper:
         self._seen_z_mm = self._z()
         self._control.rig.positions.confirm()
         self._settlings = self._control.rig.positions.settlings
-        self._overrides.begin()
-        self._settings.begin()
+        self._overrides.reset()
+        self._settings.reset()
         # A print that has stopped at a failed line continues after the line.
         line = (
             self._control.rig.job.history.line_at(self._control.rig.queue.passed)

@@ -56,7 +56,7 @@ class Overrides:
         self.held: dict[str, tuple[int, float]] = {}
         control.state.command_listeners.append(self._carried_out)
 
-    def begin(self) -> None:
+    def reset(self) -> None:
         """Call this when a print begins, or resumes after an interruption."""
         self._seen = self._now()
         offset = self._runner.offset
@@ -94,7 +94,7 @@ class Settings:
         control.state.line_listeners.append(self._line)
         control.state.command_listeners.append(self._carried_out)
 
-    def begin(self) -> None:
+    def reset(self) -> None:
         """Call this when a print begins or resumes: the current state is the reference."""
         self._seen = self._now()
 

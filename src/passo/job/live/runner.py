@@ -186,9 +186,9 @@ class Runner:
             self._states.enter(JobState.STARTING)
             return  # starts when the last print has released the machine
         self.failed, self.problems = "", ()
-        self._execution.begin()
+        self._execution.reset()
         pauses = self._pause.asked
-        self._pause.begin()
+        self._pause.reset()
         self._cooling.switch_on()
         # Create the task before the watchers are called; it runs only afterwards.
         task = asyncio.get_running_loop().create_task(self._print())
@@ -308,7 +308,7 @@ class Runner:
         revived = self.active and bool(self._control.state.halted)  # a pause cannot resume
         if self.state.prints or revived:
             self._fail(reason)
-            self._pause.begin()
+            self._pause.reset()
             self._end()
             self._pause.resumed.set()
             self._rewind()

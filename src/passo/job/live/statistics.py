@@ -75,7 +75,7 @@ class Statistics:
         """Records that a print has begun. If a host has announced the print earlier, `instead` is
         that record, which is continued. If the program is killed, the history shows the print as
         interrupted."""
-        self._lateness.begin()
+        self._lateness.reset()
         row = instead.row if instead is not None else None
         _log.info("Print of %s started", name, extra={"file": name})
         self._job = Print(name, size, self._suspension.filament_mm(), seconds, row)

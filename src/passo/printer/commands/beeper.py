@@ -64,7 +64,7 @@ class Beeper:
         # sound.
         self._next = self._silent = 0
 
-    def begin(self, boards: Boards) -> None:
+    def reset(self, boards: Boards) -> None:
         """Call this after the boards have restarted, or after their adoption, when a tone of
         another host may still sound."""
         self._silent = 0

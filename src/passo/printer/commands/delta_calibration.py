@@ -67,7 +67,7 @@ class DeltaCommands:
     ) -> None:
         self._rig, self._prober, self._correction, self._manual = rig, prober, correction, manual
         self._config = rig.machine.levelling
-        self._printed: dict[str, list[float]] = {}  # what DELTA_ANALYZE was told
+        self._printed: dict[str, list[float]] = {}  # the values given to DELTA_ANALYZE
         # The drops of the carriages, and the height of the nozzle there, mm: of the last paper
         # test, where the height is 0, and of MANUAL_HEIGHT.
         self._touched: list[tuple[Point, float]] = []

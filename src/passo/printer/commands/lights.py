@@ -70,7 +70,7 @@ class Lights:
             name: [start_color(light)] * light.count for name, light in self._lights.items()
         }
 
-    def begin(self, *, adopted: bool) -> None:
+    def reset(self, *, adopted: bool) -> None:
         """Call this after the boards have started: LEDs on outputs take the colours of the start,
         which their boards do not have. Boards that are `adopted` may have others."""
         for name, light in self._lights.items():

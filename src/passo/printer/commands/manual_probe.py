@@ -53,7 +53,7 @@ class ManualProbe:
         self._prober, self._correction, self._offsets = prober, correction, offsets
         self._run: _Run | None = None
 
-    def begin(self) -> None:
+    def reset(self) -> None:
         """Call this after the boards have been replaced: ends a test."""
         self._run = None
 

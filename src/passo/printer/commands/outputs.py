@@ -75,7 +75,7 @@ class Outputs:
         if self.set_output(timed_name(name), share, at_once=at_once):
             self.values[name] = share
 
-    def begin(self, *, adopted: bool) -> None:
+    def reset(self, *, adopted: bool) -> None:
         """Call this after the boards have started: sets the values that boards cannot start with.
         If the boards are `adopted`, all outputs take their values of the start."""
         for name, output in self._machine.outputs.items():

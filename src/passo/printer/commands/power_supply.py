@@ -31,7 +31,7 @@ class PowerSupply:
         self._laser, self._motors, self._targets = laser, motors, targets
         self._pin = rig.machine.mains
 
-    def begin(self, boards: Boards) -> None:
+    def reset(self, boards: Boards) -> None:
         """Call this after the boards have restarted, or after their adoption, when another host may
         have left the supply on."""
         if self._pin is not None:

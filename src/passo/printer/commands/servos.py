@@ -40,7 +40,7 @@ class Servos:
         self._named = NamedParts(self._servos, _LACKS, SERVOS, job, stand_ins, omitted)
         self.widths_us = {name: _start_us(servo) for name, servo in self._servos.items()}
 
-    def begin(self, *, adopted: bool) -> None:
+    def reset(self, *, adopted: bool) -> None:
         """Call this after the boards have started: servos turn to their angle of the start."""
         for name, servo in self._servos.items():
             if adopted or servo.start_deg is not None:

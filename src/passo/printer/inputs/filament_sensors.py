@@ -137,7 +137,7 @@ class FilamentSensors:
         part = self._rig.machine.all_tools[self._rig.job.tool if tool is None else tool]
         return part.extruder == (self._extruders[0] if wanted is None else wanted)
 
-    def begin(self) -> None:
+    def reset(self) -> None:
         """Call this after the boards have restarted: no filament has been pushed yet."""
         for sensor in self.sensors.values():
             sensor.mm = 0.0

@@ -38,7 +38,7 @@ def print_stats(status: Status) -> Object:
 
 
 def _layers(job: JobStatus | None) -> Object:
-    """The layers that the slicer has told, or else those that are counted."""
+    """The layers that the slicer has announced, or else the counted ones."""
     if job is None:
         return {"total_layer": None, "current_layer": None}
     total, current = job.slicer_layers, job.slicer_layer

@@ -138,7 +138,7 @@ class _Attempt:
         await parts.drivers.reconnected()
         if state.halted:
             return
-        parts.endstops.begin()
+        parts.endstops.reset()
         both = len(self._connections) > 1
         state.announce(
             _log,

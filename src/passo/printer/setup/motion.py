@@ -37,12 +37,12 @@ class Motion:
     predefined_commands: PredefinedMoveCommands
     handlers: list[object]  # the parts that handle commands
 
-    def begin(self) -> None:
+    def reset(self) -> None:
         """Call this after the boards have restarted."""
-        self.triggered.begin()
-        self.correction.begin()
-        self.prober.begin()
-        self.homer.begin()
+        self.triggered.reset()
+        self.correction.reset()
+        self.prober.restarted()
+        self.homer.reset()
         self.offsets.restarted()
 
 

@@ -42,18 +42,18 @@ class DriverWatch:
         self.prewarned: set[str] = set()  # motors whose drivers were hot since M912
         self._set: dict[str, DriverSettings] = {}  # set by commands; kept over a reset of the board
         self._held: dict[str, DriverSettings] = {}  # from before a detection of stalls
-        self._told: set[tuple[str, str]] = set()
+        self._reported: set[tuple[str, str]] = set()
         self._next_look = 0
         state.status_parts.append(lambda status: with_drivers(status, self.states))
 
-    def begin(self, boards: Boards) -> None:
+    def set_up(self, boards: Boards) -> None:
         """Call this after the boards have restarted: sets up their drivers. Lets time pass; raises
         MachineError."""
         self._boards = boards
         self._of_boards = [Drivers(connection) for connection in boards.connections]
         for motor, settings in self._set.items():
             self.states[motor].settings = settings
-        self._told.clear()
+        self._reported.clear()
         self._next_look = 0
         for drivers in self._of_boards:
             drivers.configure()
@@ -182,8 +182,8 @@ class DriverWatch:
             else:
                 self._tell_once(motor, "failure", state.failure.problem)
             return
-        if (motor, "failure") in self._told:
-            self._told.discard((motor, "failure"))
+        if (motor, "failure") in self._reported:
+            self._reported.discard((motor, "failure"))
             self._state.tell(f"echo:The driver of motor {motor} is set up")
             _log.info("The driver of motor %s is set up", motor)
         if state.fresh and state.reading is not None:
@@ -202,11 +202,13 @@ class DriverWatch:
                 self.prewarned.add(motor)
             self._tell_once(motor, code, finding.problem)
         codes = {finding.problem.code for finding in found} | {"failure"}
-        self._told = {(who, what) for who, what in self._told if who != motor or what in codes}
+        self._reported = {
+            (who, what) for who, what in self._reported if who != motor or what in codes
+        }
 
     def _tell_once(self, motor: str, what: str, problem: Problem) -> None:
         """Reports a condition once, when it begins."""
-        if (motor, what) not in self._told:
-            self._told.add((motor, what))
+        if (motor, what) not in self._reported:
+            self._reported.add((motor, what))
             self._state.tell(f"echo:{problem}")
             _log.warning("%s", problem, extra=problem.log_fields)

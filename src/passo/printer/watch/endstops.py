@@ -42,9 +42,9 @@ class EndstopWatch:
         self._switches = [s for s in switches(rig.machine) if not s.watched]
         self._on = False
         self.stops = False  # M540: a trigger stops the machine
-        self.begin()
+        self.reset()
 
-    def begin(self) -> None:
+    def reset(self) -> None:
         """Call this after the board has restarted."""
         self._endstops = Endstops(self._rig.connection)
         self._watched: list[str] = []

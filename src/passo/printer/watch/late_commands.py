@@ -30,7 +30,7 @@ class LateCommandWatch:
         self._next_word = 0
         self._pending: tuple[float, Problem] | None = None
 
-    def begin(self) -> None:
+    def reset(self) -> None:
         """Call this when a print begins."""
         self.worst = ""
 

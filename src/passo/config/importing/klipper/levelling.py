@@ -62,10 +62,10 @@ def _put_screws(job: Import, section: Section) -> None:
     path = ("levelling", "screws")
     if by_probe:
         written = section.text("screw_thread", "CW-M3")
-        way, _, size = written.upper().partition("-")
-        if way not in ("CW", "CCW") or size not in _THREADS:
+        hand, _, size = written.upper().partition("-")
+        if hand not in ("CW", "CCW") or size not in _THREADS:
             raise section.wrong("screw_thread", "CW or CCW, and M3 to M6", written)
-        job.put_value((*path, "thread"), section, "screw_thread", f"{size} {way.lower()}")
+        job.put_value((*path, "thread"), section, "screw_thread", f"{size} {hand.lower()}")
     job.draft.put((*path, "places"), places, section.place)
 
 

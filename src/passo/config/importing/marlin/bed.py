@@ -223,10 +223,10 @@ def _put_screws(job: Job) -> None:
         return
     places = job.defines.pairs("TRAMMING_POINT_XY") or []
     thread = job.defines.text("TRAMMING_SCREW_THREAD") or "M3_CW"
-    size, _, way = thread.partition("_")
+    size, _, hand = thread.partition("_")
     path, place = ("levelling", "screws"), job.place("ASSISTED_TRAMMING")
-    if size in _THREADS and way in ("CW", "CCW"):
-        job.draft.put((*path, "thread"), f"{size} {way.lower()}", place)
+    if size in _THREADS and hand in ("CW", "CCW"):
+        job.draft.put((*path, "thread"), f"{size} {hand.lower()}", place)
     screws: list[Any] = []
     for number, (x, y) in enumerate(places, 1):
         name = job.defines.text(f"TRAMMING_POINT_NAME_{number}") or f"screw {number}"

@@ -29,8 +29,8 @@ def put_homing(job: Job, index: int, letter: str, motor: str) -> None:
     delta = job.kind == "delta"
     arm = job.kind == "scara" and letter in ARMS
     path = ("homing", motor if delta or arm else letter)
-    way = defines.number(f"{axis}_HOME_DIR")
-    side = "max" if delta or (way is not None and way.value > 0) else "min"
+    home_dir = defines.number(f"{axis}_HOME_DIR")
+    side = "max" if delta or (home_dir is not None and home_dir.value > 0) else "min"
     stalls = f"{axis}_STALL_SENSITIVITY"
     stalled = bool(defines.first(stalls)) and defines.on("SENSORLESS_HOMING")
     if stalled and not _put_stall(job, path, axis, side, motor):
@@ -38,7 +38,7 @@ def put_homing(job: Job, index: int, letter: str, motor: str) -> None:
         end = (home.value, home.place) if home else None
         job.draft.put_no_homing(letter, end, job.place(stalls), stalls, NO_STALLS)
         return
-    place = way.place if way else None
+    place = home_dir.place if home_dir else None
     put((*path, "direction"), side, place)
     if stalled:
         _put_position(job, path, index, axis, side)
