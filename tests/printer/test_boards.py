@@ -9,6 +9,7 @@ from tests.support.two_boards import two_boards
 from passo.printer.setup.connections import connect_simulated
 from passo.simulator import Cable
 
+LIGHTS = {"head": "tool:D11", "case": "D11"}
 HOT = {'"D10"': '"tool:D10"', '"T0"': '"tool:T0"', '"D9"': '"tool:D9"'}
 
 
@@ -104,3 +105,12 @@ def test_a_heater_on_another_board_that_fails_halts_the_machine(printer):
     s.board.force_sensor("hotend", 0.9999)
     s.host.expect("Error:Printer halted: .*hotend", 5)
     halted_alike(s)
+
+
+def test_parts_of_two_boards_may_have_pins_of_one_name():
+    lights = [f'[lights.{on}]\nkind = "neopixel"\npin = "{pin}"' for on, pin in LIGHTS.items()]
+    with Scenario(two_boards(*lights)) as s:
+        s.host.ok("SET_LED LED=head RED=1")
+        s.passes(1)
+        assert bytes(s.board.light("head")) == bytes([0, 255, 0])
+        assert bytes(s.board.light("case")) == bytes(3)

@@ -5,9 +5,9 @@ are names of the board's dictionary; the prefix `!` inverts a pin, and `^` turns
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import partial
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, TypeVar
 
 from passo import _core
 from passo.board.trinamic.settings import DriverSettings
@@ -215,6 +215,9 @@ class Counter:
     poll_s: float = 0.0015
 
 
+_Bus = TypeVar("_Bus", bound="SpiPins | I2cPins")
+
+
 @dataclass(frozen=True, slots=True)
 class Light:
     """A light that the board sends frames to: a chain of `count` LEDs and `size` bytes on a data
@@ -363,16 +366,23 @@ def together(boards: Mapping[str, BoardDescription]) -> BoardDescription:
     endstops: list[Endstop] = []
     inputs: list[Input] = []
     counters: list[Counter] = []
+    lights: list[Light] = []
     for name, board in boards.items():
         named = partial(named_on, name)
         for i, s in zip(board.stepper_targets, board.steppers, strict=True):
             steppers[i] = replace(s, step_pin=named(s.step_pin), dir_pin=named(s.dir_pin))
         for i, o in zip(board.output_targets, board.outputs, strict=True):
             outputs[i] = replace(o, pin=named(o.pin))
-        sensors += [replace(s, pin=named(s.pin)) for s in board.sensors]
+        sensors += [
+            replace(s, pin=named(s.pin), spi=s.spi and _bus_on(name, s.spi)) for s in board.sensors
+        ]
         endstops += [replace(e, pin=named(e.pin)) for e in board.endstops]
         inputs += [replace(i, pin=named(i.pin)) for i in board.inputs]
         counters += [replace(c, pin=named(c.pin)) for c in board.counters]
+        for light in board.lights:
+            wire = light.wire
+            wire = named(wire) if isinstance(wire, str) else _bus_on(name, wire)
+            lights.append(replace(light, wire=wire))
     order = [outputs[i].name for i in sorted(outputs)]
     heaters = (h for board in boards.values() for h in board.heaters)
     return replace(
@@ -384,11 +394,17 @@ def together(boards: Mapping[str, BoardDescription]) -> BoardDescription:
         endstops=tuple(endstops),
         inputs=tuple(inputs),
         counters=tuple(counters),
-        lights=tuple(light for board in boards.values() for light in board.lights),
+        lights=tuple(lights),
         endstops_elsewhere=(),
         stepper_targets=(),
         output_targets=(),
     )
+
+
+def _bus_on(board: str, bus: _Bus) -> _Bus:
+    """The pins of the bus with the name of their board."""
+    pins = {f.name: getattr(bus, f.name) for f in fields(bus) if f.name.endswith("_pin")}
+    return replace(bus, **{key: pin and named_on(board, pin) for key, pin in pins.items()})
 
 
 def bare(pin: str) -> str:
