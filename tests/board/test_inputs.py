@@ -1,6 +1,7 @@
 """Inputs that boards report: acknowledgements, repeated reports, levels at the start."""
 
-from passo.board.description import Input
+from passo.board.analog_inputs import AnalogReports
+from passo.board.description import AnalogInput, Input
 from passo.board.inputs import InputReports, groups_of, inversion
 
 
@@ -59,3 +60,21 @@ def test_more_than_eight_inputs_are_divided_into_groups():
     first, second = groups_of(inputs)
     assert (len(first), len(second)) == (8, 3)
     assert (inversion(first), inversion(second)) == (0b10101010, 0b010)
+
+
+def test_analog_range_counts_when_two_readings_agree():
+    entry = AnalogInput("analog", "PF1", (("up", 0.1, 0.2), ("down", 0.2, 0.5)))
+    analog = AnalogReports({3: entry}, 8000)
+
+    def changes(*values: int):
+        reports = [("analog_in_state", {"oid": 3, "value": value}) for value in values]
+        return [(c.name, c.levels, c.first) for c in analog.take(reports)]
+
+    assert changes(8000) == []
+    assert changes(8000) == [("up", (False,), True), ("down", (False,), True)]
+    assert changes(1000, 8000, 1000, 1000) == [("up", (True,), False)]  # 0.125 of full scale
+    assert changes(1599, 1600, 1599) == []
+    assert changes(2000, 3999) == [("up", (False,), False), ("down", (True,), False)]
+    assert changes(4000, 4000) == [("down", (False,), False)]
+    assert analog.levels == {"up": False, "down": False}
+    assert analog.shares == {"analog": 0.5}

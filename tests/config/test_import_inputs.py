@@ -92,9 +92,32 @@ def test_sensor_on_a_pin_of_another_part_is_left_out(load):
     assert "PB4 belongs to steppers.e" in remarks(draft, "decide")[0]
 
 
-def test_analog_buttons_are_left_out(load):
-    button = "[gcode_button {}]\npin: PC13\nanalog_range: {}\npress_gcode: M117 up\n"
-    draft, machine = load(button.format("up", "0, 100") + button.format("down", "100, 300"))
-    assert machine.buttons == {}
-    text = "the button is left out: Passo reads no analog buttons"
-    assert [r.text for r in draft.remarks if "gcode_button" in r.what] == [text] * 2
+ANALOG = "[gcode_button {}]\npin: {}\nanalog_range: {}\npress_gcode: M117 up\n"
+
+
+def test_analog_buttons_share_a_pin_by_their_resistances(load):
+    up, down = ANALOG.format("up", "PC0", "0, 100"), ANALOG.format("down", "PC0", "100, 300")
+    draft, machine = load(up + "analog_pullup_resistor: 10000\n" + down.replace("PC0", "PC1"))
+    assert machine.buttons["up"].resistance_ohm == [0, 100]
+    assert machine.buttons["up"].shares == (0.0, pytest.approx(100 / 10100))
+    assert machine.buttons["down"].pull_up_ohm == 4700
+    assert not [r for r in draft.remarks if "gcode_button" in r.what]
+    shown = sections_of(machine)["gcode_button up"]
+    assert (shown["analog_range"], shown["analog_pullup_resistor"]) == ("0, 100", "10000")
+    assert list(load(up + down)[1].buttons) == ["up", "down"]
+
+
+@pytest.mark.parametrize(
+    ("pin", "ohm", "more", "problem"),
+    [
+        ("PB4", "100, 300", "", "PB4 belongs to steppers.e"),
+        ("PC0", "99, 300", "", "overlaps"),
+        ("PC0", "300, 100", "", "higher maximum"),
+        ("PC0", "100, 300", "analog_pullup_resistor: 10000\n", "same pin"),
+    ],
+)
+def test_analog_button_that_cannot_work_is_left_out(load, pin, ohm, more, problem):
+    up, down = ANALOG.format("up", "PC0", "0, 100"), ANALOG.format("down", pin, ohm)
+    draft, machine = load(up + down + more)
+    assert list(machine.buttons) == ["up"]
+    assert problem in "\n".join(remarks(draft, "decide"))

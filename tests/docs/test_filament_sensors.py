@@ -12,4 +12,4 @@ def test_tables_are_those_of_a_machine_file():
     tables = "\n".join(re.findall(r"```toml\n(.*?)```", PAGE.read_text(), re.DOTALL))
     machine = load_text(f"{shipped_text('i3')}\n{tables}", "i3.toml")
     assert list(machine.filament_sensors) == ["roll", "encoder"]
-    assert list(machine.buttons) == ["door", "stop", "light"]
+    assert list(machine.buttons) == ["door", "stop", "light", "up", "down"]

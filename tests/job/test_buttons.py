@@ -112,3 +112,49 @@ def test_m43_reports_inputs_and_watches_them():
         s.host.ok("M43 W0")
         s.board.force_input("button-door", False)
         s.host.silent(1, "button-door")
+
+
+ANALOG = """[buttons.{}]
+pin = "A11"
+resistance_ohm = [{}, {}]
+press_gcode = "M118 {}"
+"""
+
+
+def test_buttons_share_an_analog_input():
+    machine = with_inputs(ANALOG.format("up", 0, 100, "up") + ANALOG.format("ok", 400, 600, "ok"))
+    with Scenario(machine) as s:
+        s.passes(1)
+        assert s.printer.status.read().buttons == {"up": False, "ok": False}
+        s.host.ok("SIMULATE_FAULT NAME=button-ok VALUE=pressed")
+        s.host.expect("^ok$", 1)
+        assert s.printer.status.read().inputs["button-ok"].active is True
+        s.board.force_input("button-up", True)  # the other one is released by that
+        s.host.expect("^up$", 1)
+        assert s.printer.status.read().buttons == {"up": True, "ok": False}
+        assert s.host.ok("M43")[:2] == [
+            "echo:button-up on pin A11: active",
+            "echo:button-ok on pin A11: not active",
+        ]
+        s.board.force_reading("analog-A11", 200 / 4900)  # between the ranges
+        s.passes(1)
+        assert s.printer.status.read().buttons == {"up": False, "ok": False}
+
+
+@pytest.mark.parametrize("survives", [True, False])
+def test_analog_buttons_work_with_both_kinds_of_firmware(survives: bool):
+    machine = with_inputs(ANALOG.format("up", 0, 100, "up"))
+    board = machine.board.model_copy(update={"survives": survives})
+    with Scenario(machine.model_copy(update={"board": board})) as s:
+        s.passes(1)
+        s.board.force_input("button-up", True)
+        s.host.expect("^up$", 1)
+        s.host.ok("M112")
+        s.passes(1)
+        s.host.send("M999")
+        s.host.expect("ready again", 30)
+        s.passes(1)
+        assert s.printer.status.read().buttons == {"up": True}
+        s.board.force_input("button-up", False)
+        s.passes(1)
+        assert s.printer.status.read().buttons == {"up": False}

@@ -41,9 +41,10 @@ _FAST_HZ = 20_000_000
 @dataclass(frozen=True, slots=True)
 class Oids:
     """The object number of each part of the board, in this order: steppers, outputs, sensors,
-    endstops, trsyncs, UARTs, SPI devices, I2C devices, accelerometers, groups of inputs, counters,
-    chains of lights. A trsync is the group of motors on this board that one endstop stops; the
-    endstop may be on another board. UARTs, devices and accelerometers are found by their pins."""
+    endstops, trsyncs, UARTs, SPI devices, I2C devices, accelerometers, groups of inputs, analog
+    inputs, counters, chains of lights. A trsync is the group of motors on this board that one
+    endstop stops; the endstop may be on another board. UARTs, devices and accelerometers are found
+    by their pins."""
 
     steppers: dict[str, int]
     outputs: dict[str, int]
@@ -55,6 +56,7 @@ class Oids:
     i2c_devices: dict[I2cPins, int]
     accelerometers: dict[SpiPins | I2cPins, int]
     inputs: dict[tuple[Input, ...], int]
+    analog_inputs: dict[str, int]
     counters: dict[str, int]
     chains: dict[str, int]
     count: int
@@ -81,6 +83,7 @@ class Oids:
             numbered(board.i2c_devices),
             numbered(a.wire for a in board.accelerometers),
             numbered(groups_of(board.inputs)),
+            numbered(a.name for a in board.analog_inputs),
             numbered(c.name for c in board.counters),
             numbered(light.name for light in board.chains),
             count,
@@ -171,6 +174,10 @@ def commands(board: BoardDescription, dictionary: Dictionary) -> list[str]:
             f"buttons_add oid={oid} pos={i} pin={bare(entry.pin)} pull_up={int('^' in entry.pin)}"
             for i, entry in enumerate(group)
         ]
+    lines += [
+        f"config_analog_in oid={oids.analog_inputs[a.name]} pin={bare(a.pin)}"
+        for a in board.analog_inputs
+    ]
     lines += [
         f"config_counter oid={oids.counters[c.name]} pin={bare(c.pin)} pull_up={int('^' in c.pin)}"
         for c in board.counters
@@ -294,6 +301,13 @@ def queries(board: BoardDescription, dictionary: Dictionary, clock: int) -> list
         f" rest_ticks={int(SAMPLE_S * board.clock_hz)} retransmit_count={RETRANSMIT_COUNT}"
         f" invert={inversion(group)}"
         for group, oid in oids.inputs.items()
+    ]
+    lines += [
+        f"query_analog_in oid={oids.analog_inputs[a.name]} clock={clock & 0xFFFFFFFF}"
+        f" sample_ticks={int(SENSOR_SAMPLE_S * board.clock_hz)} sample_count={SENSOR_SAMPLES}"
+        f" rest_ticks={int(a.period_s * board.clock_hz)}{size}"
+        f" min_value=0 max_value={0xFFFF} range_check_count=0"
+        for a in board.analog_inputs
     ]
     lines += [
         f"query_counter oid={oids.counters[c.name]} clock={clock & 0xFFFFFFFF}"

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 from passo import _core
 from passo.board.configuration import (
-    Oids,
     checksum,
     commands,
     full_scale,
@@ -111,7 +110,7 @@ class Connection(Exchange):
         try:
             identify(self)
             self.board = sensors_known_to(self.board, self.dictionary)
-            self.oids = Oids.of(self.board)
+            self._number_parts()
             self._crc = checksum(commands(self.board, self.dictionary))
             self.lights = self._light_frames()
             self.tachometers = Tachometers(self.oids.counters, self.board.clock_hz)
@@ -289,7 +288,7 @@ class Connection(Exchange):
         shown = self._shown
         if shown is None:
             return Reading(None), ""
-        shown.take(self.take_responses(*REPORTS))
+        shown.take(self.take_responses(*REPORTS, oids=shown.oids))
         if (report := shown.last.get(name)) is None:
             return Reading(None), ""
         age_s = (now - self.main_clock(report.clock)) / self.wire.hz

@@ -206,6 +206,24 @@ class Input:
 
 
 @dataclass(frozen=True, slots=True)
+class AnalogInput:
+    """An analog input that the board reports every `period_s` seconds. Each of the `ranges` (name,
+    from, below: fractions of full scale) is an input that is active while the reading is in it. In
+    the simulation, the reading is `rest`."""
+
+    name: str
+    pin: str
+    ranges: tuple[tuple[str, float, float], ...] = ()
+    period_s: float = 0.02
+    rest: float = 1.0
+
+    def range_at(self, share: float) -> int:
+        """The number of the range of a reading, -1 for none."""
+        found = (i for i, (_, low, high) in enumerate(self.ranges) if low <= share < high)
+        return next(found, -1)
+
+
+@dataclass(frozen=True, slots=True)
 class Counter:
     """A digital input whose changes the board counts, every `poll_s` seconds. It reports the count
     once a second."""
@@ -260,6 +278,7 @@ class BoardDescription:
     heaters: tuple[Heater, ...] = ()
     endstops: tuple[Endstop, ...] = ()
     inputs: tuple[Input, ...] = ()
+    analog_inputs: tuple[AnalogInput, ...] = ()
     counters: tuple[Counter, ...] = ()
     lights: tuple[Light, ...] = ()
     drivers: tuple[Driver, ...] = ()
@@ -280,7 +299,8 @@ class BoardDescription:
             ("sensor", [s.name for s in self.sensors]),
             ("heater", [h.name for h in self.heaters]),
             ("endstop", [e.name for e in self.endstops]),
-            ("input", [i.name for i in self.inputs]),
+            ("input", self.input_names),
+            ("analog input", [a.name for a in self.analog_inputs]),
             ("counter", [c.name for c in self.counters]),
             ("light", [light.name for light in self.lights]),
         ):
@@ -305,6 +325,12 @@ class BoardDescription:
         """The sensors that no heater uses."""
         used = {heater.sensor for heater in self.heaters}
         return tuple(sensor for sensor in self.sensors if sensor.name not in used)
+
+    @property
+    def input_names(self) -> list[str]:
+        """The inputs with a level: those of pins, and the ranges of analog inputs."""
+        names = [entry.name for entry in self.inputs]
+        return names + [name for entry in self.analog_inputs for name, _, _ in entry.ranges]
 
     @property
     def uarts(self) -> tuple[UartPins, ...]:
@@ -343,6 +369,7 @@ class BoardDescription:
             *(s.pin for s in self.sensors if s.spi is None),
             *(e.pin for e in self.endstops),
             *(i.pin for i in self.inputs),
+            *(a.pin for a in self.analog_inputs),
             *(c.pin for c in self.counters),
             *(light.wire for light in self.lights if isinstance(light.wire, str)),
             *{
@@ -365,6 +392,7 @@ def together(boards: Mapping[str, BoardDescription]) -> BoardDescription:
     sensors: list[Sensor] = []
     endstops: list[Endstop] = []
     inputs: list[Input] = []
+    analog_inputs: list[AnalogInput] = []
     counters: list[Counter] = []
     lights: list[Light] = []
     for name, board in boards.items():
@@ -378,6 +406,7 @@ def together(boards: Mapping[str, BoardDescription]) -> BoardDescription:
         ]
         endstops += [replace(e, pin=named(e.pin)) for e in board.endstops]
         inputs += [replace(i, pin=named(i.pin)) for i in board.inputs]
+        analog_inputs += [replace(a, pin=named(a.pin)) for a in board.analog_inputs]
         counters += [replace(c, pin=named(c.pin)) for c in board.counters]
         for light in board.lights:
             wire = light.wire
@@ -393,6 +422,7 @@ def together(boards: Mapping[str, BoardDescription]) -> BoardDescription:
         heaters=tuple(sorted(heaters, key=lambda h: order.index(h.output))),
         endstops=tuple(endstops),
         inputs=tuple(inputs),
+        analog_inputs=tuple(analog_inputs),
         counters=tuple(counters),
         lights=tuple(lights),
         endstops_elsewhere=(),

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from typing import TypeAlias
 
 from passo import _core
-from passo.board.configuration import Oids
+from passo.board.analog_inputs import REPORT as ANALOG_REPORT
+from passo.board.analog_inputs import AnalogReports
+from passo.board.configuration import Oids, adc_full
 from passo.board.description import BoardDescription
 from passo.board.dictionary import Dictionary
 from passo.board.faults import (
@@ -47,8 +49,7 @@ class Exchange:
         self.link.set_byte_ticks(port.byte_s * board.clock_hz)
         self.wire = port.attach(self.link)
         self.dictionary = Dictionary((), (), {}, {})
-        self.oids = Oids.of(board)
-        self.inputs = InputReports({oid: group for group, oid in self.oids.inputs.items()})
+        self._number_parts()
         self.heaters: dict[str, _core.Heater] = {}
         self.faults: list[HeaterFault] = []
         self.on_fault: Callable[[str, HeaterFault], None] | None = None
@@ -56,6 +57,13 @@ class Exchange:
         self._responses: list[tuple[str, Values]] = []
         # until this clock, an old answer may still arrive
         self._late: dict[tuple[str, int | None], int] = {}
+
+    def _number_parts(self) -> None:
+        """Call this when `board` or `dictionary` has changed."""
+        self.oids = Oids.of(self.board)
+        self.inputs = InputReports({oid: group for group, oid in self.oids.inputs.items()})
+        analog = {self.oids.analog_inputs[a.name]: a for a in self.board.analog_inputs}
+        self.analog = AnalogReports(analog, adc_full(self.dictionary))
 
     @property
     def now(self) -> int:
@@ -133,20 +141,32 @@ class Exchange:
             raise self.shutdown_error()
         raise self.silence(name)
 
-    def take_responses(self, *names: str) -> list[tuple[str, Values]]:
+    def take_responses(
+        self, *names: str, oids: Container[object] | None = None
+    ) -> list[tuple[str, Values]]:
         """The reports since the last call that no question asked for, oldest first: those of
-        `names`, or all."""
+        `names`, or all; with `oids`, only those of these objects."""
         self._collect()
-        taken = [r for r in self._responses if not names or r[0] in names]
-        self._responses = [r for r in self._responses if names and r[0] not in names]
+        taken: list[tuple[str, Values]] = []
+        rest: list[tuple[str, Values]] = []
+        for report in self._responses:
+            own = not names or report[0] in names
+            own = own and (oids is None or report[1].get("oid") in oids)
+            (taken if own else rest).append(report)
+        self._responses = rest
         return taken
+
+    @property
+    def input_levels(self) -> dict[str, bool]:
+        """Whether each input is active, as far as the board has reported it."""
+        return self.inputs.levels | self.analog.levels
 
     def input_changes(self) -> list[InputChange]:
         """The changes of the inputs since the last call, in the order of the reports. The board
         receives an acknowledgement of each."""
-        if not self.oids.inputs:
+        if not (self.oids.inputs or self.oids.analog_inputs):
             return []
-        found: list[InputChange] = []
+        found = self.analog.take(self.take_responses(ANALOG_REPORT, oids=self.analog.oids))
         for _, report in self.take_responses("buttons_state"):
             oid, states = int(report["oid"]), report["state"]
             assert isinstance(states, bytes)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from passo import _core
+from passo.board.analog_inputs import REPORT, newest
 from passo.board.configuration import Oids, adc_full, sensor_query
 from passo.config.sensor_tables import share_at
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from passo.board.exchange import Values
 
 Broken = Literal["", "open", "short"]
-REPORTS = ("analog_in_state", "thermocouple_result")
+REPORTS = (REPORT, "thermocouple_result")
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,25 +48,23 @@ class ShownSensors:
         self._adc_full = adc_full(dictionary)
         self.last: dict[str, SensorReport] = {}
 
+    @property
+    def oids(self) -> set[int]:
+        """The numbers of the objects."""
+        return set(self._sensors)
+
     def take(self, reports: Iterable[tuple[str, Values]]) -> None:
-        """Takes reports of the board, of the names `REPORTS`, oldest first."""
+        """Takes reports of these sensors, of the names `REPORTS`, oldest first."""
         for _, values in reports:
             oid = int(values["oid"])
-            if (sensor := self._sensors.get(oid)) is None:
-                continue
+            sensor = self._sensors[oid]
             clock = (int(values["next_clock"]) - self._rest[oid]) & 0xFFFFFFFF
             if sensor.spi is None:
-                share = _newest(values) / self._adc_full
+                share = newest(values) / self._adc_full
             else:
                 share = _converted(sensor, int(values["value"]), int(values["fault"]))
             celsius = share_at(self._by_share[oid], share)
             self.last[sensor.name] = SensorReport(celsius, clock, _broken(sensor, share))
-
-
-def _newest(values: Values) -> int:
-    """The newest reading in a report: older firmware sends one number."""
-    data = values.get("values")
-    return int.from_bytes(data[-2:], "little") if isinstance(data, bytes) else int(values["value"])
 
 
 def _converted(sensor: Sensor, word: int, faults: int) -> float:

@@ -108,7 +108,7 @@ def _needed(board: BoardDescription, dictionary: Dictionary) -> Iterator[_Words]
         yield _STEPPERS
     if board.endstops or board.endstops_elsewhere:
         yield _ENDSTOPS
-    if any(sensor.spi is None for sensor in board.sensors):
+    if board.analog_inputs or any(sensor.spi is None for sensor in board.sensors):
         yield _SENSORS
     if any(sensor.spi is not None for sensor in board.sensors):
         yield _CONVERTERS

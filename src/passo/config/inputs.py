@@ -7,10 +7,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from passo.config.findings import Finding, did_you_mean, table, tables
+from passo.config.findings import Finding, array, did_you_mean, table, tables
 from passo.config.types import ExtruderName, Model, PartName, Pin
 
 _Seconds = Annotated[float, Field(ge=0, le=60)]
+_Ohm = Annotated[float, Field(ge=0, le=1e6)]
+_PULL_UP_OHM = 4700.0
 _Length = Annotated[float, Field(ge=0, le=5000)]
 
 
@@ -66,7 +68,19 @@ class Button(Model):
     release_gcode: str = ""
     """A template of G-code that runs when the button is released."""
     debounce_s: _Seconds = 0.0
-    """A level counts when it stays for this time. A board ignores changes below 4 ms."""
+    """A level counts when it stays for this time. A board ignores changes below 4 ms, on an analog
+    input those below 20 ms."""
+    resistance_ohm: Annotated[list[_Ohm], Field(min_length=2, max_length=2)] | None = None
+    """Of a button on an analog input: it is pressed while the resistance from the pin to ground is
+    in this range. Several buttons of different ranges may share the pin."""
+    pull_up_ohm: Annotated[float, Field(gt=0, le=1e6)] = _PULL_UP_OHM
+    """The resistor from an analog input to its supply; equal for all buttons of one pin."""
+
+    @property
+    def shares(self) -> tuple[float, float]:
+        """The range of an analog input, as fractions of its full scale."""
+        low, high = self.resistance_ohm or (0.0, 0.0)
+        return low / (low + self.pull_up_ohm), high / (high + self.pull_up_ohm)
 
 
 FilamentSensors = dict[PartName, FilamentSensor]
@@ -83,8 +97,14 @@ def button_input(name: str) -> str:
     return f"button-{name}"
 
 
+def analog_input(pin: str) -> str:
+    """The name of the analog input of this pin on its board."""
+    return f"analog-{pin}"
+
+
 def check_inputs(data: Mapping[str, Any]) -> Iterator[Finding]:
-    """Checks that the extruders of filament sensors exist."""
+    """Checks that the extruders of filament sensors exist, and the ranges of analog buttons."""
+    yield from _check_analog(data)
     extruders = table(data, "extruders")
     for name, sensor in tables(data, "filament_sensors"):
         path = ("filament_sensors", name, "extruder")
@@ -94,3 +114,27 @@ def check_inputs(data: Mapping[str, Any]) -> Iterator[Finding]:
             yield Finding("config.value", path, wanted, limit, did_you_mean(wanted, extruders))
         if wanted is None and sensor.get("kind") == "motion" and not extruders:
             yield Finding("config.missing-key", path, None, "a machine with an extruder")
+
+
+def _check_analog(data: Mapping[str, Any]) -> Iterator[Finding]:
+    """Checks that each range rises, and that buttons of one pin have one pull-up and ranges apart
+    from each other."""
+    before: list[tuple[str, Mapping[str, Any], float, float]] = []
+    for name, button in tables(data, "buttons"):
+        ohm = [value for value in array(button, "resistance_ohm") if isinstance(value, int | float)]
+        if len(ohm) != 2:
+            continue
+        path, (low, high) = ("buttons", name, "resistance_ohm"), ohm
+        if low >= high:
+            yield Finding("config.value", path, ohm, "a minimum, and a higher maximum")
+        for other, others, from_ohm, to_ohm in before:
+            if others.get("pin") != button.get("pin"):
+                continue
+            if low < to_ohm and high > from_ohm:
+                limit, owner = "a range of its own: it overlaps with", ("buttons", other, path[2])
+                yield Finding("config.conflict", path, ohm, limit, owner=owner)
+            key, owner = ("buttons", name, "pull_up_ohm"), ("buttons", other, "pull_up_ohm")
+            value, first = (b.get("pull_up_ohm", _PULL_UP_OHM) for b in (button, others))
+            if value != first:
+                yield Finding("config.conflict", key, value, "that of the same pin at", owner=owner)
+        before.append((name, button, low, high))

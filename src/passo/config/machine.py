@@ -327,6 +327,15 @@ class MachineConfig(Model):
         sensors = {sensor_input(name): part.pin for name, part in self.filament_sensors.items()}
         return sensors | {button_input(name): part.pin for name, part in self.buttons.items()}
 
+    @property
+    def analog_buttons(self) -> dict[str, list[str]]:
+        """The buttons on each analog input, by its pin as written."""
+        pins: dict[str, list[str]] = {}
+        for name, button in self.buttons.items():
+            if button.resistance_ohm is not None:
+                pins.setdefault(button.pin, []).append(name)
+        return pins
+
     def facing_its_middle(self) -> MachineConfig:
         """A copy whose arm angles are counted so that they fit the axes and the limits of the
         motors."""

@@ -148,7 +148,8 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
         yield from _claim((part, "pin"), table(data, part).get("pin"))
     for part in ("filament_sensors", "buttons"):
         for name, content in tables(data, part):
-            yield from _claim((part, name, "pin"), content.get("pin"), "switch")
+            need = "analog" if "resistance_ohm" in content else "switch"
+            yield from _claim((part, name, "pin"), content.get("pin"), need)
 
 
 def _board(data: Raw, name: str) -> Raw:
@@ -450,10 +451,12 @@ class _Owners:
 
 
 def _may_share(owner: Claim, claim: Claim) -> bool:
-    """Whether two parts may share the pin: parts on a bus may, and the machine's beeper may be that
-    of a display."""
+    """Whether two parts may share the pin: parts on a bus may, buttons on an analog input may, and
+    the machine's beeper may be that of a display."""
     if claim.path == ("beeper", "pin") and owner.path[-1:] == ("beeper",):
         return True
+    if owner.need == claim.need == "analog":
+        return owner.path[0] == claim.path[0] == "buttons"
     return owner.need == claim.need and claim.need in _SHARED
 
 

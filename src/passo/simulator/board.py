@@ -29,6 +29,7 @@ from passo.simulator.plant import Area, BedProbe, PlantDescription
 _FLICKERS = 2  # of `force_switch`
 _ELSEWHERE = 1 << 16  # no board has so many pins
 _UNHEATED = _ELSEWHERE - 1  # in place of the pin of a heater
+_IDENTITY = [(0.0, 0.0), (1.0, 1.0)]  # a table whose temperature is the reading
 _AIR_S = 1.0  # of a body without a heater
 
 
@@ -200,6 +201,11 @@ class SimulatedBoard:
                 *(_UNHEATED, self._sensors[air.sensor], air.ambient_c, 0.0, _AIR_S, _AIR_S),
                 list(tables[air.sensor]),
             )
+        for entry in self.board.analog_inputs:
+            self.device.add_body(
+                *(_UNHEATED, self._pins[bare(entry.pin)], entry.rest, 0.0, _AIR_S, _AIR_S),
+                _IDENTITY,
+            )
 
     def _add_probe(self, probe: BedProbe) -> None:
         pin = self._pin_of(probe.endstop)
@@ -307,9 +313,20 @@ class SimulatedBoard:
         self.device.force_switch(self._pins[bare(pin)], -1 if pressed is None else int(pressed))
 
     def force_input(self, name: str, active: bool | None) -> None:
-        """The input has this level, whatever is wired to it; None ends it."""
+        """The input has this level, whatever is wired to it; None ends it. A range of an analog
+        input is active while its reading is in the middle of the range."""
+        for entry in self.board.analog_inputs:
+            for other, low, high in entry.ranges:
+                if other == name:
+                    self.force_reading(entry.name, (low + high) / 2 if active else None)
+                    return
         pressed = -1 if active is None else int(active == self._inputs[name].active)
         self.device.force_switch(self._input_pin(name), pressed)
+
+    def force_reading(self, name: str, share: float | None) -> None:
+        """The analog input has this reading, of full scale; None ends it."""
+        pin = next(a.pin for a in self.board.analog_inputs if a.name == name)
+        self.device.force_adc(self._pins[bare(pin)], -1.0 if share is None else share)
 
     def flicker(self, name: str) -> None:
         """A fault: the level of the input changes every 5 ms, until `force_input`."""

@@ -51,10 +51,11 @@ class SimulatedFaults:
             self._add(f"{endstop.name}-endstop", _ENDSTOP, self._endstop_setter(endstop.name))
             if endstop.name == PROBE:
                 self._add("bed", _BED, self._set_bed)
-        for entry in board.inputs:
-            levels = _INPUTS[entry.name.partition("-")[0]]
-            values = (NO_FAULT, *levels, _FLICKERS)
-            self._add(entry.name, values, self._input_setter(entry.name, levels))
+        digital = {entry.name for entry in board.inputs}
+        for name in board.input_names:
+            levels = _INPUTS[name.partition("-")[0]]
+            values = (NO_FAULT, *levels, *([_FLICKERS] if name in digital else []))
+            self._add(name, values, self._input_setter(name, levels))
         for counter in board.counters:
             self._add(f"{counter.name}-fan", _FAN, self._fan_setter(counter.name))
         for name in machine.boards:

@@ -54,10 +54,13 @@ class SimulatedMachine:
         for number, (name, board) in enumerate(boards.items()):
             board.feel(boards.values())
             for part in (
-                *("steppers", "outputs", "sensors", "endstops", "inputs", "counters", "lights"),
+                *("steppers", "outputs", "sensors", "endstops", "counters", "lights"),
+                "analog_inputs",
             ):
                 for entry in getattr(board.board, part):
                     self._own[part, entry.name] = board
+            for name_of_input in board.board.input_names:
+                self._own["inputs", name_of_input] = board
             clock = (clocks or {}).get(name)
             if clock or cable:
                 start_s, drift_ppm = clock or (0.0, 0.0)
@@ -129,6 +132,10 @@ class SimulatedMachine:
     def force_input(self, name: str, active: bool | None) -> None:
         """The input has this level, whatever is wired to it; None ends it."""
         self._of("inputs", name).force_input(name, active)
+
+    def force_reading(self, name: str, share: float | None) -> None:
+        """The analog input has this reading, of full scale; None ends it."""
+        self._of("analog_inputs", name).force_reading(name, share)
 
     def flicker(self, name: str) -> None:
         """A fault: the level of the input changes every 5 ms, until `force_input`."""

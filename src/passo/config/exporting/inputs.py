@@ -8,6 +8,7 @@ from passo.config.klipper_names import extruder_object, sensor_object
 
 if TYPE_CHECKING:
     from passo.config.exporting.cfg import Cfg
+    from passo.config.inputs import Button
 
 _ACTIONS = {
     "none": "",
@@ -46,10 +47,17 @@ def put_inputs(cfg: Cfg) -> None:
         cfg.put(
             f"gcode_button {name}",
             pin=cfg.pin(button.pin),
+            analog_range=_range(button),
+            analog_pullup_resistor=button.pull_up_ohm if button.resistance_ohm else None,
             press_gcode=_gcode("\n".join(line for line in lines if line)) or "",
             release_gcode=_gcode(button.release_gcode),
             debounce_delay=button.debounce_s,
         )
+
+
+def _range(button: Button) -> str | None:
+    ohm = button.resistance_ohm
+    return f"{ohm[0]:g}, {ohm[1]:g}" if ohm else None
 
 
 def _gcode(text: str) -> str | None:

@@ -47,7 +47,7 @@ _PARTS = (
         ),
     ),
     _Part(("filament_sensors", _ANY), ("pin", "kind", "extruder")),
-    _Part(("buttons", _ANY), ("pin",)),
+    _Part(("buttons", _ANY), ("pin", "resistance_ohm", "pull_up_ohm")),
     _Part(("outputs", _ANY)),
     _Part(("lights", _ANY)),
     _Part(("light_effects", _ANY)),

@@ -68,6 +68,7 @@ OUTPUTS: Mapping[str, Options] = {
     "gcode_button": (
         text("pin"),
         text("analog_range"),
+        number("analog_pullup_resistor"),
         text("press_gcode", ""),
         text("release_gcode", ""),
         number("debounce_delay", 0.0),

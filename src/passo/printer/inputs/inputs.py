@@ -38,7 +38,7 @@ class Inputs:
         return {
             name: level
             for connection in self._rig.connection.connections
-            for name, level in connection.inputs.levels.items()
+            for name, level in connection.input_levels.items()
         }
 
     def status(self) -> dict[str, InputStatus]:

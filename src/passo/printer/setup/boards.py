@@ -5,10 +5,11 @@ from __future__ import annotations
 from math import ceil
 from typing import TYPE_CHECKING, Any
 
-from passo.board.description import BoardDescription, Counter, Endstop, Heater, Input, Stepper
+from passo.board.description import BoardDescription, Counter, Endstop, Heater, Stepper
 from passo.config.pin_names import MAIN, placed
 from passo.heat.control import arrival_of, control_of, limits_of, model_of
 from passo.motion.endstops import endstop_pins, inputs
+from passo.printer.setup.board_inputs import analog_inputs_of, inputs_of
 from passo.printer.setup.board_outputs import output_of, outputs_of
 from passo.printer.setup.drivers import accelerometers, current_settings, drivers
 from passo.printer.setup.lights import lights_of
@@ -52,11 +53,8 @@ def board_description(machine: MachineConfig, board: str = MAIN) -> BoardDescrip
         drivers=tuple(d for d in drivers(machine) if machine.board_of_stepper(d.stepper) == board),
         settings=tuple(current_settings(machine, board)),
         accelerometers=tuple(accelerometers(machine, board)),
-        inputs=tuple(
-            Input(name, machine.pin(pin))
-            for name, pin in machine.input_pins.items()
-            if placed(pin)[0] == board
-        ),
+        inputs=tuple(inputs_of(machine, board)),
+        analog_inputs=tuple(analog_inputs_of(machine, board)),
         counters=tuple(
             Counter(name, machine.pin(tachometer.pin), tachometer.poll_ms / 1000)
             for name, fan in machine.fans.items()

@@ -127,8 +127,9 @@ def _input_switches(machine: MachineConfig) -> Iterator[InputSwitch]:
         edge_mm = part.length_mm / _EDGES if part.kind == "motion" else 0.0
         length_mm = machine.simulated.filament_mm.get(name, inf)
         yield InputSwitch(sensor_input(name), weights, length_mm, active=False, edge_mm=edge_mm)
-    for name in machine.buttons:
-        yield InputSwitch(button_input(name))
+    for name, button in machine.buttons.items():
+        if button.resistance_ohm is None:
+            yield InputSwitch(button_input(name))
 
 
 def simulated_geometry(machine: MachineConfig) -> GeometryModel:

@@ -1,11 +1,10 @@
-"""Filament sensors and buttons: what a runout does, the extruder of a motion sensor, and analog
-buttons. Rows of the table have the rest."""
+"""Filament sensors and buttons: what a runout does, and the extruder of a motion sensor. Rows of
+the table have the rest."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from passo.config.importing.klipper.conversion import TABLE
 from passo.config.klipper_names import number_of
 from passo.config.part_names import part_name
 
@@ -25,15 +24,9 @@ def put_filament_sensors(job: Import) -> None:
 
 
 def put_buttons(job: Import) -> None:
-    """Imports all buttons with a pin of their own. The level of an analog button on its pin would
-    press it at the wrong time."""
+    """Imports all buttons. One without a pin of its own is left out."""
     for section in job.config.of("gcode_button"):
-        if "analog_range" in section.options:
-            row = TABLE.notes("gcode_button")["analog_range"]
-            job.draft.dropped(section.at("analog_range"), f"[{section.name}]", row.note)
-            job.leave_out(section)
-        else:
-            job.part(section, _put_button, "the button")
+        job.part(section, _put_button, "the button")
 
 
 def _put_button(job: Import, section: Section) -> None:
