@@ -90,6 +90,18 @@ def test_a_tmc2240_has_a_uart_too():
     assert reading.supply_v == pytest.approx(24.0, abs=0.1)
 
 
+def test_settings_are_written_while_questions_follow_without_a_gap():
+    made, drivers = bench("TMC2209")
+    written = drivers.begin_configure("x")
+    for _ in range(100):
+        drivers.begin_status("x")  # the line is never idle
+        if written():
+            break
+        passes(made, drivers, 0.02)
+    assert written() and is_set_up(made, drivers)
+    assert not drivers.idle
+
+
 @pytest.mark.parametrize("chip", WIRES)
 def test_a_change_writes_only_the_registers_that_differ(chip: ChipName):
     made, drivers = bench(chip)

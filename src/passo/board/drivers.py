@@ -46,7 +46,7 @@ class DriverState:
     fresh: bool = False
 
 
-@dataclass
+@dataclass(eq=False)
 class _Talk:
     """An exchange in progress, one question at a time. An answer that has not arrived by `deadline`
     counts as lost. The deadline is None until the board has acknowledged the question."""
@@ -111,9 +111,12 @@ class Drivers:
         if failures:
             raise MachineError([failure.problem for failure in failures])
 
-    def begin_configure(self, motor: str, settings: DriverSettings | None = None) -> None:
+    def begin_configure(
+        self, motor: str, settings: DriverSettings | None = None
+    ) -> Callable[[], bool]:
         """Starts to write the settings of a driver, the present ones or new `settings`. Does not
-        wait."""
+        wait. What it returns says whether they are written or have failed; `idle` does not say it,
+        as the next questions may follow without a gap."""
         state = self.states[motor]
         if settings is not None:
             state.settings = settings
@@ -121,7 +124,7 @@ class Drivers:
         def done(_: None) -> None:
             state.failure = None
 
-        self._begin(motor, state.link.configure(state.settings), done)
+        return self._begin(motor, state.link.configure(state.settings), done)
 
     def begin_change(self, motor: str, settings: DriverSettings) -> None:
         """Starts to write only the registers that new `settings` change. Does not wait."""
@@ -150,13 +153,17 @@ class Drivers:
 
         self._begin(motor, state.link.status(), done)
 
-    def _begin(self, motor: str, exchange: Exchange[Any], done: Callable[[Any], None]) -> None:
+    def _begin(
+        self, motor: str, exchange: Exchange[Any], done: Callable[[Any], None]
+    ) -> Callable[[], bool]:
         state = self.states[motor]
 
         def failed(failure: DriverFailure) -> None:
             state.failure = failure
 
-        self._lines[self._oids[motor]].talks.append(_Talk(exchange, done, failed))
+        talks, talk = self._lines[self._oids[motor]].talks, _Talk(exchange, done, failed)
+        talks.append(talk)
+        return lambda: talk not in talks
 
     def poll(self) -> None:
         """Handles the answers of the drivers, and sends the next questions. Lets no time pass."""

@@ -135,10 +135,9 @@ class DriverWatch:
     async def _write(self, settings: Mapping[str, DriverSettings]) -> None:
         """Writes and verifies settings, which are not kept over a restart. Lets time pass; raises
         MachineError."""
-        for motor, wanted in settings.items():
-            self._of(motor).begin_configure(motor, wanted)
+        over = [self._of(motor).begin_configure(motor, one) for motor, one in settings.items()]
         await self._rig.queue.until(
-            lambda: bool(self._state.halted) or all(drivers.idle for drivers in self._of_boards)
+            lambda: bool(self._state.halted) or all(written() for written in over)
         )
         for motor in settings:
             failure = self.states[motor].failure
