@@ -1,9 +1,11 @@
 // Python interface of chips around a simulated board: drivers, converters, accelerometers, probes.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/function.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <functional>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -197,11 +199,24 @@ void bind_chips(nb::module_& m) {
         auto chip = std::make_shared<LedChip>();
         bench.plant().i2c_devices.emplace_back(
             I2cPins{clock_pin, data_pin}, address,
-            I2cChip{[chip](bool) { return chip->begin(); },
+            I2cChip{[chip](bool, Ticks) { return chip->begin(); },
                     [chip](uint8_t byte, Ticks) { return chip->take(byte); },
                     [](Ticks) { return uint8_t(0); }});
         return chip;
       },
       "bench"_a, "clock_pin"_a, "data_pin"_a, "address"_a,
       "Connects a chip that sets LEDs to the I2C bus on these pins.");
+  m.def(
+      "add_i2c_chip",
+      [](Bench& bench, uint32_t clock_pin, uint32_t data_pin, uint8_t address,
+         std::function<bool(bool, Ticks)> begin, std::function<bool(uint8_t, Ticks)> take,
+         std::function<uint8_t(Ticks)> give) {
+        bench.plant().i2c_devices.emplace_back(
+            I2cPins{clock_pin, data_pin}, address,
+            I2cChip{std::move(begin), std::move(take), std::move(give)});
+      },
+      "bench"_a, "clock_pin"_a, "data_pin"_a, "address"_a, "begin"_a, "take"_a, "give"_a,
+      "Connects a chip in Python to the I2C bus on these pins. It is addressed by `begin`, for a "
+      "write or, if True, for a read; it receives a byte by `take`; both return whether it "
+      "acknowledges. It sends a byte by `give`. Each call has the clock.");
 }

@@ -48,7 +48,7 @@ void AccelerometerChip::show(uint8_t address) {
 }
 
 I2cChip AccelerometerChip::on_i2c(std::shared_ptr<AccelerometerChip> chip) {
-  return {[chip](bool reads) { return chip->begin(reads); },
+  return {[chip](bool reads, Ticks) { return chip->begin(reads); },
           [chip](uint8_t byte, Ticks clock) { return chip->take(byte, clock); },
           [chip](Ticks clock) { return chip->give(clock); }};
 }

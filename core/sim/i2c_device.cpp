@@ -43,17 +43,17 @@ void I2cDevice::fall(Ticks clock) {
 
 bool I2cDevice::acknowledges(Ticks clock) {
   if (mode_ == Mode::takes) return chip_.take(byte_, clock);
-  return byte_ >> 1 == address_ && chip_.begin(byte_ & 1);
+  return byte_ >> 1 == address_ && chip_.begin(byte_ & 1, clock);
 }
 
 I2cStatus I2cDevice::exchange(const Bytes& out, Bytes& in, Ticks clock) {
   if (!out.empty() || in.empty()) {
-    if (!chip_.begin(false)) return I2cStatus::start_nack;
+    if (!chip_.begin(false, clock)) return I2cStatus::start_nack;
     for (uint8_t byte : out)
       if (!chip_.take(byte, clock)) return I2cStatus::nack;
   }
   if (in.empty()) return I2cStatus::success;
-  if (!chip_.begin(true)) return I2cStatus::start_read_nack;
+  if (!chip_.begin(true, clock)) return I2cStatus::start_read_nack;
   for (uint8_t& byte : in) byte = chip_.give(clock);
   return I2cStatus::success;
 }

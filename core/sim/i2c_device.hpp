@@ -19,7 +19,7 @@ enum class I2cStatus : uint8_t { success, nack, bus_timeout, start_nack, start_r
 // A chip on the bus. begin(): it is addressed for a write or a read. take(): it receives a byte.
 // Both return whether it acknowledges. give(): it sends a byte.
 struct I2cChip {
-  std::function<bool(bool reads)> begin;
+  std::function<bool(bool reads, Ticks)> begin;
   std::function<bool(uint8_t byte, Ticks)> take;
   std::function<uint8_t(Ticks)> give;
 };

@@ -1492,6 +1492,11 @@ def add_i2c_accelerometer(bench: Bench, clock_pin: int, data_pin: int, address: 
 def add_led_chip(bench: Bench, clock_pin: int, data_pin: int, address: int) -> LedChip:
     """Connects a chip that sets LEDs to the I2C bus on these pins."""
 
+def add_i2c_chip(bench: Bench, clock_pin: int, data_pin: int, address: int, begin: Callable[[bool, int], bool], take: Callable[[int, int], bool], give: Callable[[int], int]) -> None:
+    """
+    Connects a chip in Python to the I2C bus on these pins. It is addressed by `begin`, for a write or, if True, for a read; it receives a byte by `take`; both return whether it acknowledges. It sends a byte by `give`. Each call has the clock.
+    """
+
 def sincos(x: float) -> tuple[float, float]: ...
 
 def atan2(y: float, x: float) -> float: ...

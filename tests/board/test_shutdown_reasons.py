@@ -31,7 +31,7 @@ def test_late_commands_are_explained_by_a_slow_computer(reason):
     [
         ("ADC out of range", "A temperature sensor reads outside of its heater's min_c to max_c."),
         ("Rescheduled timer in the past", "Its processor was overloaded."),
-        ("I2C START NACK", "A device on I2C, such as the accelerometer, did not answer."),
+        ("I2C START NACK", "A device on I2C, such as an accelerometer or a sensor, did not"),
         ("Command request", "Remove the cause, then start again or send M999."),
         ("anything else", "Remove the cause, then start again or send M999."),
     ],

@@ -66,8 +66,15 @@ maximum_deviation: 100
 pin: PB13
 heater: extruder, heater_bed
 [temperature_sensor air]
-sensor_type: BME280
+sensor_type: AHT2X
 i2c_bus: i2c1
+i2c_speed: 50000
+aht10_report_time: 30
+[temperature_sensor wire]
+sensor_type: DS18B20
+serial_no: 28-031674b175ff
+[temperature_sensor astray]
+sensor_type: LM75
 """
 
 
@@ -124,10 +131,19 @@ def test_fans_keep_what_they_follow(made):
 
 def test_sensor_that_passo_cannot_read_is_left_out_with_the_reason(made):
     draft, machine = made
-    assert "air" not in machine.sensors
-    assert "sensor_type in [temperature_sensor air] is 'BME280'" in "\n".join(
-        remarks(draft, "decide")
-    )
+    assert machine.sensors.keys().isdisjoint({"wire", "astray"})
+    told = "\n".join(remarks(draft, "decide"))
+    assert "sensor_type in [temperature_sensor wire] is 'DS18B20'" in told
+    assert "i2c_bus in [temperature_sensor astray] is missing" in told
+
+
+def test_chip_on_i2c_keeps_its_bus_and_period(made):
+    air = made[1].sensors["air"].sensor
+    assert (air.kind, air.i2c_bus, air.used_address) == ("aht2x", "i2c1", 56)
+    assert (air.i2c_hz, air.period_s) == (50_000, 30.0)
+    settings = Sections(made[1]).settings["temperature_sensor air"]
+    assert settings["sensor_type"] == "AHT2X"
+    assert "i2c_bus: i2c1\ni2c_speed: 50000\n" in exported(made[1]).text("")
 
 
 def test_clients_see_the_sections_of_outputs_and_sensors(made):

@@ -78,7 +78,7 @@ class KlipperMcu:
     came too late to be done in time. `analog` is what every analog input reads.
 
     What hangs on the pins, by their numbers: `levels` of inputs, `uarts` with the chips that share
-    one, and by their select pins the chips on SPI.
+    one, by their select pins the chips on SPI, and by their addresses those on I2C.
     """
 
     def __init__(self, told: dict[str, Any], analog: int) -> None:
@@ -90,6 +90,7 @@ class KlipperMcu:
         self.levels: dict[int, Callable[[], int]] = {}
         self.uarts: dict[int, list[Chip]] = {}
         self.spi: dict[int, Chip] = {}
+        self.i2c: dict[int, Any] = {}
         self._identify = zlib.compress(json.dumps(told).encode())
         self._commands = {n: _format(text) for text, n in told["commands"].items()}
         self._reports = {
@@ -123,6 +124,7 @@ class KlipperMcu:
         self._endstops: dict[int, Endstop] = {}
         self._lines: dict[int, Uart] = {}
         self._selects: dict[int, int] = {}
+        self._addresses: dict[int, int] = {}
         self._sensors: dict[int, tuple[int, int, int]] = {}  # when next, period, samples
 
     def feed(self, data: bytes, clock: int) -> None:
@@ -279,13 +281,16 @@ class KlipperMcu:
         self.is_config, self.crc = 1, crc
 
     def _act_emergency_stop(self) -> None:
+        self._shut_down("Command request")
+
+    def _shut_down(self, why: str) -> None:
         self.is_shutdown = 1
         for motor in self.motors.values():
             motor.coming.clear()
             motor.stopped, motor.trsync = True, None
         for oid in self._trsyncs:
             self._trsyncs[oid] = Trsync()
-        self._why = self.told["enumerations"]["static_string_id"]["Command request"]
+        self._why = self.told["enumerations"]["static_string_id"][why]
         self._report("shutdown", clock=self.now % 2**32, static_string_id=self._why)
 
     def _act_reset(self) -> None:
@@ -460,6 +465,42 @@ class KlipperMcu:
 
     def _act_spi_transfer(self, oid: int, data: bytes) -> None:
         self._report("spi_transfer_response", oid=oid, response=self._act_spi_send(oid, data))
+
+    def _act_i2c_set_bus(self, oid: int, address: int, **_: int) -> None:
+        self._addresses[oid] = address
+
+    _act_i2c_set_sw_bus = _act_i2c_set_bus
+
+    def _i2c(self, oid: int, write: bytes, count: int) -> tuple[str, bytes]:
+        """How a transfer ends, and the bytes of the chip."""
+        chip = self.i2c.get(self._addresses[oid])
+        if write or not count:
+            if chip is None or not chip.begin(False, self.now):
+                return "START_NACK", bytes(count)
+            if not all(chip.take(byte, self.now) for byte in write):
+                return "NACK", bytes(count)
+        if not count:
+            return "SUCCESS", b""
+        if chip is None or not chip.begin(True, self.now):
+            return "START_READ_NACK", bytes(count)
+        return "SUCCESS", bytes(chip.give(self.now) for _ in range(count))
+
+    def _act_i2c_transfer(self, oid: int, write: bytes, read_len: int) -> None:
+        status, data = self._i2c(oid, write, read_len)
+        number = self.told["enumerations"]["i2c_bus_status"][status]
+        self._report("i2c_response", oid=oid, i2c_bus_status=number, response=data)
+
+    def _act_i2c_write(self, oid: int, data: bytes) -> None:
+        status, _ = self._i2c(oid, data, 0)
+        if status != "SUCCESS":
+            self._shut_down("I2C NACK")
+
+    def _act_i2c_read(self, oid: int, reg: bytes, read_len: int) -> None:
+        status, data = self._i2c(oid, reg, read_len)
+        if status != "SUCCESS":
+            self._shut_down("I2C NACK")
+        else:
+            self._report("i2c_read_response", oid=oid, response=data)
 
 
 def _format(text: str) -> tuple[str, list[tuple[str, str]]]:

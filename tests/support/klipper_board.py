@@ -30,6 +30,7 @@ NEWER_I2C = {
     "i2c_write oid=%c data=%*s": "i2c_transfer oid=%c write=%*s read_len=%u",
     "i2c_read_response oid=%c response=%*s": "i2c_response oid=%c i2c_bus_status=%c response=%*s",
 }
+I2C_STATUS = ("SUCCESS", "NACK", "BUS_TIMEOUT", "START_NACK", "START_READ_NACK")
 OLDER_I2C = "i2c_read oid=%c reg=%*s read_len=%u"
 # Words of builds for chips that may have an accelerometer; the numbers are ours.
 ACCELEROMETERS = {
@@ -59,7 +60,7 @@ STM32 = {
         "STATS_SUMSQ_BASE": 256,
         "STEPPER_STEP_BOTH_EDGE": 1,
     },
-    "pin": {"PA0": [0, 16], "PB0": [16, 16], "PC0": [32, 16]},
+    "pin": {f"P{port}0": [16 * i, 16] for i, port in enumerate("ABCDE")},
 }
 # The same parts on the pins of a RAMPS.
 # A process on a Linux computer, and a PRU of a BeagleBone: they have no `reset`, their pins other
@@ -131,7 +132,10 @@ def dictionary(*, chip: str, newer: bool) -> dict[str, Any]:
         commands = {text.replace("pin=%c", "pin=%u"): n for text, n in made["commands"].items()}
         commands["config_reset"] = commands.pop("reset")
         made["commands"] = commands
+    made["enumerations"]["i2c_bus"] = {"i2c1_PB6_PB7": 0, "i2c2": 1, "twi": 2}
+    made["enumerations"]["static_string_id"]["I2C NACK"] = 250
     if newer:
+        made["enumerations"]["i2c_bus_status"] = {name: i for i, name in enumerate(I2C_STATUS)}
         for part in ("commands", "responses"):
             words = {**NEWER_SENSORS, **NEWER_I2C}
             made[part] = {words.get(text, text): n for text, n in made[part].items()}

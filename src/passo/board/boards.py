@@ -15,7 +15,7 @@ from passo.board.faults import BoardAloneError, HeaterFault
 from passo.board.inputs import InputChange
 from passo.board.ports import LinkLostError
 from passo.board.reading import Reading
-from passo.board.shown_sensors import Broken
+from passo.board.shown_sensors import SensorReading
 from passo.errors import MachineError
 
 # How long the host measures the clocks of several boards: `SETTLING_S`, plus `_SETTLING_PER_JITTER`
@@ -222,11 +222,19 @@ class Boards:
         """Like `Connection.reading`."""
         return self.connection_of("heaters", heater).reading(heater, now)
 
-    def sensor(self, name: str, now: int) -> tuple[Reading, Broken]:
-        """Like `Connection.sensor`. A sensor that its board cannot read has no reading."""
+    def sensor(self, name: str, now: int) -> SensorReading:
+        """Like `Connection.sensor`, or `Connection.i2c_sensor`. A sensor that its board cannot read
+        has no reading."""
         with suppress(KeyError):
             return self.connection_of("sensors", name).sensor(name, now)
-        return Reading(None), ""
+        with suppress(KeyError):
+            return self.connection_of("i2c_sensors", name).i2c_sensor(name)
+        return SensorReading(Reading(None))
+
+    def work_i2c_sensors(self) -> None:
+        """Like `Connection.work_i2c_sensors`, on all boards."""
+        for connection in self.connections:
+            connection.work_i2c_sensors()
 
     def set_target(self, heater: str, celsius: float) -> None:
         """Like `Connection.set_target`."""

@@ -28,13 +28,14 @@ from passo.board.dictionary import DictionaryError
 from passo.board.exchange import LEAD_S, Exchange
 from passo.board.faults import BoardResetError
 from passo.board.firmware_identity import identify
+from passo.board.i2c_sensors.reader import ANSWERS, SUCCESS, I2cSensorReader
 from passo.board.inputs import SETTLING_S
 from passo.board.lights import LightFrames
 from passo.board.main_loop import MainLoop
 from passo.board.ports import Port
 from passo.board.reading import Reading
 from passo.board.recorded_frames import KEPT_BYTES, KEPT_PARTS, KEPT_S, RecordedFrames
-from passo.board.shown_sensors import REPORTS, Broken, ShownSensors
+from passo.board.shown_sensors import REPORTS, SensorReading, ShownSensors
 from passo.board.start_up import add_parts, configure, follow_clock
 from passo.board.survive import has_survived
 from passo.board.tachometers import REPORT as COUNTER_REPORT
@@ -64,6 +65,7 @@ class Connection(Exchange):
         self._main_loop: MainLoop | None = None
         self._shown: ShownSensors | None = None
         self.lights = self._light_frames()
+        self.i2c_sensors = self._i2c_sensor_reader()
         self.tachometers = Tachometers(self.oids.counters, board.clock_hz)
 
     def connect(self, *, adopt: bool = False) -> None:
@@ -113,6 +115,7 @@ class Connection(Exchange):
             self._number_parts()
             self._crc = checksum(commands(self.board, self.dictionary))
             self.lights = self._light_frames()
+            self.i2c_sensors = self._i2c_sensor_reader()
             self.tachometers = Tachometers(self.oids.counters, self.board.clock_hz)
         except DictionaryError as error:
             raise MachineError.of("machine.dictionary", value=str(error)) from None
@@ -215,6 +218,7 @@ class Connection(Exchange):
             heater.asked_anew()
         self.inputs.asked_anew(self.clock_after(LEAD_S + SETTLING_S))
         self.lights.renew()
+        self.i2c_sensors.renew()
         self.tachometers.forget()
 
     def _light_frames(self) -> LightFrames:
@@ -224,8 +228,17 @@ class Connection(Exchange):
                 oids[light.name] = self.oids.spi_devices[light.wire]
             elif isinstance(light.wire, I2cPins):
                 oids[light.name] = self.oids.i2c_devices[light.wire]
-        older = self.dictionary.takes("i2c_read", "reg")
-        return LightFrames(self.board.lights, oids, self.port.byte_s, older_i2c=older)
+        return LightFrames(self.board.lights, oids, self.port.byte_s, older_i2c=self._older_i2c)
+
+    @property
+    def _older_i2c(self) -> bool:
+        """Whether the board has only the older commands for I2C."""
+        return self.dictionary.takes("i2c_read", "reg")
+
+    def _i2c_sensor_reader(self) -> I2cSensorReader:
+        sensors = self.board.i2c_sensors
+        oids = {sensor.name: self.oids.i2c_devices[sensor.wire] for sensor in sensors}
+        return I2cSensorReader(sensors, oids, older=self._older_i2c)
 
     def take_counts(self) -> None:
         """Takes the reports of the counters since the last call."""
@@ -248,8 +261,9 @@ class Connection(Exchange):
         for _, report in self.take_responses("neopixel_result"):
             light = self.lights.take_result(int(report["oid"]), success=bool(report["success"]))
             failed += [light] if light else []
-        self.take_responses("i2c_response")  # writes need no answer
-        self.lights.work(self.board_clock / self.board.clock_hz, self.command)
+        if not self.board.i2c_sensors:
+            self.take_responses("i2c_response")  # writes need no answer
+        self.lights.work(self._board_s, self.command)
         return failed
 
     def main_loop(self) -> MainLoop | None:
@@ -283,16 +297,47 @@ class Connection(Exchange):
         age_s = (now - self.link.main_clock(clock)) / self.wire.hz
         return Reading.of(loop.celsius, age_s, lost=self.lost)
 
-    def sensor(self, name: str, now: int) -> tuple[Reading, Broken]:
-        """Like `reading`, for a sensor that no heater uses; and whether it is broken."""
+    def sensor(self, name: str, now: int) -> SensorReading:
+        """The last reading of a sensor that no heater uses, at the time `now`."""
         shown = self._shown
         if shown is None:
-            return Reading(None), ""
+            return SensorReading(Reading(None))
         shown.take(self.take_responses(*REPORTS, oids=shown.oids))
         if (report := shown.last.get(name)) is None:
-            return Reading(None), ""
+            return SensorReading(Reading(None))
         age_s = (now - self.main_clock(report.clock)) / self.wire.hz
-        return Reading.of(report.celsius, age_s, lost=self.lost), report.broken
+        return SensorReading(Reading.of(report.celsius, age_s, lost=self.lost), report.broken)
+
+    def i2c_sensor(self, name: str) -> SensorReading:
+        """Like `sensor`, for a chip on I2C. Raises KeyError if the board does not have it."""
+        state = self.i2c_sensors.state(name)
+        if (measured := state.measured) is None:
+            return SensorReading(Reading(None), state.fault or "", state.found)
+        period_s = next(s.period_s for s in self.board.i2c_sensors if s.name == name)
+        age_s = self._board_s - state.at_s - period_s
+        reading = Reading.of(measured.celsius, age_s, lost=self.lost)
+        return SensorReading(
+            reading, humidity=measured.humidity, pressure_hpa=measured.pressure_hpa
+        )
+
+    @property
+    def _board_s(self) -> float:
+        """The clock of this board, in seconds."""
+        return self.board_clock / self.board.clock_hz
+
+    def work_i2c_sensors(self) -> None:
+        """Takes what the chips on I2C have answered, and sends what is due to them. Call this
+        often, while the link is up."""
+        if not self.board.i2c_sensors:
+            return
+        for name, report in self.take_responses(*ANSWERS):
+            status, data = SUCCESS, report["response"]
+            if name == "i2c_response":
+                number = int(report["i2c_bus_status"])
+                status = self.dictionary.name_of("i2c_bus_status", number)
+            assert isinstance(data, bytes)
+            self.i2c_sensors.take(int(report["oid"]), status, data)
+        self.i2c_sensors.work(self._board_s, self.command)
 
     def set_target(self, heater: str, celsius: float) -> None:
         """Sets a heater's target; 0 turns it off. A heater that has failed keeps the new target,

@@ -11,6 +11,7 @@ from typing import Literal, TypeAlias, TypeVar
 
 from passo import _core
 from passo.board.trinamic.settings import DriverSettings
+from passo.config.i2c_sensors import I2cKind
 from passo.config.pin_names import named_on
 from passo.resonance.measurement import AccelerometerChip
 
@@ -141,6 +142,18 @@ class Sensor:
     setup: tuple[bytes, ...] = ()
     clears_faults: bytes = b""
     of_chip: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class I2cSensor:
+    """A chip of this kind that measures the temperature, each `period_s`. `ambient_c` is what it
+    measures on a simulated board."""
+
+    name: str
+    kind: I2cKind
+    wire: I2cPins
+    period_s: float = 2.0
+    ambient_c: float = 25.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -281,6 +294,7 @@ class BoardDescription:
     analog_inputs: tuple[AnalogInput, ...] = ()
     counters: tuple[Counter, ...] = ()
     lights: tuple[Light, ...] = ()
+    i2c_sensors: tuple[I2cSensor, ...] = ()
     drivers: tuple[Driver, ...] = ()
     settings: tuple[Setting, ...] = ()
     accelerometers: tuple[Accelerometer, ...] = ()
@@ -303,6 +317,7 @@ class BoardDescription:
             ("analog input", [a.name for a in self.analog_inputs]),
             ("counter", [c.name for c in self.counters]),
             ("light", [light.name for light in self.lights]),
+            ("sensor on I2C", [s.name for s in self.i2c_sensors]),
         ):
             _unique(f"{part} name", names)
         if not self.stepper_targets:
@@ -352,7 +367,7 @@ class BoardDescription:
     @property
     def i2c_devices(self) -> tuple[I2cPins, ...]:
         """All devices on I2C buses."""
-        wires = (part.wire for part in (*self.accelerometers, *self.lights))
+        wires = (part.wire for part in (*self.accelerometers, *self.lights, *self.i2c_sensors))
         return tuple(wire for wire in wires if isinstance(wire, I2cPins))
 
     @property
@@ -425,6 +440,7 @@ def together(boards: Mapping[str, BoardDescription]) -> BoardDescription:
         analog_inputs=tuple(analog_inputs),
         counters=tuple(counters),
         lights=tuple(lights),
+        i2c_sensors=tuple(sensor for board in boards.values() for sensor in board.i2c_sensors),
         endstops_elsewhere=(),
         stepper_targets=(),
         output_targets=(),

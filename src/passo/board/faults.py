@@ -87,8 +87,8 @@ def shutdown_error(reason: str, named: str, time_scale: float) -> MachineError:
         )
     elif reason in _I2C:
         hint = (
-            "A device on I2C, such as the accelerometer, did not answer. Check its cable, or use a"
-            " shorter one, then send M999"
+            "A device on I2C, such as an accelerometer or a sensor, did not answer. Check its"
+            " cable, or use a shorter one; newer firmware only reports it. Then send M999"
         )
     elif reason == _OVERLOADED:
         hint = (

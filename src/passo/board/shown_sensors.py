@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 from passo import _core
 from passo.board.analog_inputs import REPORT, newest
 from passo.board.configuration import Oids, adc_full, sensor_query
+from passo.board.reading import Reading
 from passo.config.sensor_tables import share_at
 
 if TYPE_CHECKING:
@@ -17,8 +18,20 @@ if TYPE_CHECKING:
     from passo.board.dictionary import Dictionary
     from passo.board.exchange import Values
 
-Broken = Literal["", "open", "short"]
+Broken = Literal["", "open", "short", "silent", "garbled", "other-chip"]
 REPORTS = (REPORT, "thermocouple_result")
+
+
+@dataclass(frozen=True, slots=True)
+class SensorReading:
+    """What is known of a sensor without a heater: its temperature, whether it is `broken`, with
+    what was `found` then, and what else it measures: % of relative humidity, hPa."""
+
+    reading: Reading
+    broken: Broken = ""
+    found: str = ""
+    humidity: float | None = None
+    pressure_hpa: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

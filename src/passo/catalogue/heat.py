@@ -23,6 +23,18 @@ SHOWN: Mapping[str, Entry] = {
         "sensor {axis} is broken: its cable has a short circuit",
         "Check the sensor's wires where they may touch",
     ),
+    "sensor.silent": _shown(
+        "sensor {axis} does not answer at {limit}: the bus reports {value}",
+        "Check its plug and wires, and its kind, address and pins in the machine file",
+    ),
+    "sensor.garbled": _shown(
+        "sensor {axis} at {limit} sends {value}",
+        "Use shorter or shielded wires, or a lower i2c_hz in the machine file",
+    ),
+    "sensor.other-chip": _shown(
+        "the chip at {limit} is not the one of sensor {axis}: it reports {value}",
+        "Correct the kind or the address of the sensor in the machine file",
+    ),
     "sensor.low": _shown(
         "sensor {axis} reads {value:.1f} °C, below its minimum of {limit:.1f} °C",
         "Check the sensor, or change its min_c in the machine file",

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal, get_args
 
 from pydantic import Field
 
+from passo.config.buses import BUS, I2C_WIRES, SPI_WIRES, check_bus
 from passo.config.chips import chip, chip_names
 from passo.config.findings import Finding, array, table
 from passo.config.klippers_firmware import runs_klippers
@@ -18,11 +19,8 @@ _Rate = Literal[800, 1600, 3200]
 RATES_HZ: tuple[int, ...] = get_args(_Rate)
 FASTEST_HZ = {"adxl345": 3200, "lis2dw": 1600}  # samples a second, by chip
 _HEIGHT_MM = 20.0  # of the nozzle above the bed, unless the file gives a point
-_SPI_WIRES = ("clock_pin", "mosi_pin", "miso_pin")
-_I2C_WIRES = ("scl_pin", "sda_pin")
-_SPI_KEYS = ("cs_pin", *_SPI_WIRES, "spi_bus")
+_SPI_KEYS = ("cs_pin", *SPI_WIRES, "spi_bus")
 _I2C_KEYS = ("i2c_address", "i2c_hz")
-_BUS = r"^([A-Za-z0-9_][A-Za-z0-9_-]*:)?[A-Za-z0-9_.]+$"
 
 
 class Accelerometer(Model):
@@ -44,14 +42,14 @@ class Accelerometer(Model):
     """The data to the chip (SDA of the chip)."""
     miso_pin: Pin | None = None
     """The data from the chip (SDO of the chip)."""
-    spi_bus: Annotated[str, Field(pattern=_BUS)] | None = None
+    spi_bus: Annotated[str, Field(pattern=BUS)] | None = None
     """The bus in the words of Klipper's firmware, such as `spi1` or `rpi:spidev0.0`, in place of
     the three pins."""
     scl_pin: Pin | None = None
     """The clock of the I2C bus. Its board is the board of the chip."""
     sda_pin: Pin | None = None
     """The data of the I2C bus."""
-    i2c_bus: Annotated[str, Field(pattern=_BUS)] | None = None
+    i2c_bus: Annotated[str, Field(pattern=BUS)] | None = None
     """The bus in the words of Klipper's firmware, such as `i2c1` or `rpi:i2c.1`, in place of the
     two pins."""
     i2c_address: Literal[0x18, 0x19] = 0x19
@@ -102,8 +100,9 @@ def check_accelerometer(data: Mapping[str, Any]) -> Iterator[Finding]:
     rate = part.get("rate_hz")
     if part.get("chip") == "lis2dw" and rate in RATES_HZ and rate > FASTEST_HZ["lis2dw"]:
         yield Finding("config.conflict", (*path, "rate_hz"), rate, "800 or 1600, as of a LIS2DW")
-    i2c = any(key in part for key in (*_I2C_WIRES, "i2c_bus"))
-    yield from _check_bus(data, part, "i2c_bus" if i2c else "spi_bus")
+    i2c = any(key in part for key in (*I2C_WIRES, "i2c_bus"))
+    yield from check_bus(data, path, part, "i2c_bus" if i2c else "spi_bus")
+    yield from _check_speed(data, part, "scl_pin" if i2c else "cs_pin")
     for key in _SPI_KEYS if i2c else _I2C_KEYS:
         if key in part:
             limit = f"no such key: the accelerometer is on {'I2C' if i2c else 'SPI'}"
@@ -117,30 +116,12 @@ def check_accelerometer(data: Mapping[str, Any]) -> Iterator[Finding]:
         yield Finding("config.value", (*path, "axes_map"), shown, "x, y and z once each")
 
 
-def _check_bus(data: Mapping[str, Any], part: Mapping[str, Any], key: str) -> Iterator[Finding]:
-    """Checks the pins of a bus, or the bus itself, which is the value of `key`."""
-    path = ("accelerometer",)
-    wires = _I2C_WIRES if key == "i2c_bus" else _SPI_WIRES
-    first = "scl_pin" if key == "i2c_bus" else "cs_pin"
-    bus = part.get(key)
-    if bus is None:
-        for pin in dict.fromkeys((first, *wires)):
-            if pin not in part:
-                yield Finding("config.missing-key", (*path, pin), None, f"a pin, or the key {key}")
-    else:
-        for pin in wires:
-            if pin in part:
-                limit = f"no such key: {key} has the pins"
-                yield Finding("config.conflict", (*path, pin), part[pin], limit)
-    written = part.get(first, bus)
-    owner = table(data, *section(placed(str(written))[0]))
+def _check_speed(data: Mapping[str, Any], part: Mapping[str, Any], first: str) -> Iterator[Finding]:
+    """Checks that the chip of the board on which the pin `first` is can read the accelerometer."""
+    owner = table(data, *section(placed(str(part.get(first)))[0]))
     simulated = owner.get("link", "simulated") == "simulated"
-    klippers = runs_klippers(owner)
-    if bus is not None and not klippers:
-        limit = f"no such key: Passo's firmware has no buses; give {', '.join(wires)}"
-        yield Finding("config.conflict", (*path, key), bus, limit)
     mcu = owner.get("mcu")
-    real = first in part and not (simulated or klippers)
+    real = first in part and not (simulated or runs_klippers(owner))
     if real and mcu in chip_names() and chip(str(mcu)).core == "avr":
         limit = f"a pin of another board: an {chip(str(mcu)).name} is too slow for this chip"
-        yield Finding("config.conflict", (*path, first), written, limit)
+        yield Finding("config.conflict", ("accelerometer", first), part[first], limit)

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from passo.config.buses import I2C_WIRES, SPI_WIRES
 from passo.config.findings import Finding, parts_with_sensors, table, tables
 from passo.config.lights import LIGHT_PINS
 from passo.config.motor_roles import Drive, Driven, axis_order
@@ -20,8 +21,8 @@ if TYPE_CHECKING:
     from passo.config.board import Board
     from passo.config.machine import MachineConfig
 
-_BUS = ("clock_pin", "mosi_pin", "miso_pin")
-_WIRES = ("uart_pin", "tx_pin", *_BUS)
+
+_WIRES = ("uart_pin", "tx_pin", *SPI_WIRES)
 _RESISTORS = ("thermistor", "pt100", "pt1000")
 _TOWERS = {"a": "X", "b": "Y", "c": "Z"}
 
@@ -183,7 +184,7 @@ def bindings(machine: MachineConfig) -> list[Binding]:
         add(f"heaters.{name}.pin", heater.pin, function.output if function else None)
         add(f"heaters.{name}.sensor_pin", heater.sensor_pin, function.sensor if function else None)
         if isinstance(heater.sensor, Converter):
-            for key in _BUS:
+            for key in SPI_WIRES:
                 add(f"heaters.{name}.sensor.{key}", getattr(heater.sensor, key), None)
     fans = [f.output for name, f in board.functions.items() if name.startswith("fan")]
     for name, fan in machine.fans.items():
@@ -203,9 +204,8 @@ def bindings(machine: MachineConfig) -> list[Binding]:
             add(f"lights.{name}.{key}", getattr(light, key, None), None)
     for name, shown in machine.sensors.items():
         add(f"sensors.{name}.sensor_pin", shown.sensor_pin, None)
-        if isinstance(shown.sensor, Converter):
-            for key in _BUS:
-                add(f"sensors.{name}.sensor.{key}", getattr(shown.sensor, key), None)
+        for key in (*SPI_WIRES, *I2C_WIRES):
+            add(f"sensors.{name}.sensor.{key}", getattr(shown.sensor, key, None), None)
     for name, homing in machine.homing.items():
         original = _switch(board, name, homing.direction)
         add(f"homing.{name}.pin", homing.pin, original)

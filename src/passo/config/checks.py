@@ -13,6 +13,7 @@ from passo.config.accelerometer import check_accelerometer
 from passo.config.driver_checks import check_drivers, check_thresholds
 from passo.config.findings import Finding, array, did_you_mean, number, table, tables
 from passo.config.heat_checks import check_fans, check_heaters, check_pulses
+from passo.config.i2c_sensors import check_i2c_sensors
 from passo.config.inputs import check_inputs
 from passo.config.klipper_options.check import check_kept_options
 from passo.config.light_effects import check_light_effects
@@ -221,6 +222,7 @@ def check_all(
         check_light_effects,
         check_servos,
         check_shown_sensors,
+        check_i2c_sensors,
         check_names,
         check_drivers,
         check_pins,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from passo.config.chip_sensors import chip_sensor_table
 from passo.config.findings import Finding, array, did_you_mean, number, table, tables
+from passo.config.i2c_sensors import I2cSensor
 from passo.config.pin_names import MAIN, placed, section
 from passo.config.sensor_tables import reads_within, sensor_table
 from passo.config.shown_sensors import ChipSensor, CombinedSensor, HostSensor
@@ -128,7 +129,7 @@ def check_sensors(machine: MachineConfig) -> Iterator[Finding]:
             path = ("heaters", name, "max_c")
             yield Finding("config.value", path, heater.max_c, limit, nearest=most)
     for name, shown in machine.sensors.items():
-        if isinstance(shown.sensor, HostSensor | CombinedSensor):
+        if isinstance(shown.sensor, HostSensor | CombinedSensor | I2cSensor):
             continue
         if isinstance(shown.sensor, ChipSensor):
             mcu = machine.all_boards[shown.sensor.board or MAIN].mcu

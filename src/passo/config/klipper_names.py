@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from passo.config.heater_numbers import heater_of
+from passo.config.i2c_sensors import FAMILIES, I2cSensor
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -65,6 +66,13 @@ def temperature_object(machine: MachineConfig, name: str) -> str:
     fan = machine.fans.get(name)
     own = fan is not None and fan.thermostat is not None and fan.thermostat.sensor == name
     return f"temperature_fan {name}" if own else f"temperature_sensor {name}"
+
+
+def chip_object(machine: MachineConfig, name: str) -> str | None:
+    """Klipper's name for the chip of a sensor on I2C, which has its humidity and pressure; None for
+    other sensors."""
+    sensor = machine.sensors[name].sensor
+    return f"{FAMILIES[sensor.kind].name} {name}" if isinstance(sensor, I2cSensor) else None
 
 
 def temperature_objects(machine: MachineConfig) -> dict[str, str]:

@@ -6,10 +6,11 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from passo.config.findings import Finding, array, did_you_mean, number, table, tables
+from passo.config.sensor_names import SHOWN_KINDS
 
 Raw = Mapping[str, Any]
 
-_NO_PIN = ("host", "chip", "combined")  # sensors that need no pin
+_NO_PIN = SHOWN_KINDS  # of sensors that need no `sensor_pin`
 
 
 def check_outputs(data: Raw) -> Iterator[Finding]:

@@ -32,23 +32,25 @@ Need = Literal[
     "clock",
     "to-device",
     "from-device",
-    "line",
+    "i2c-clock",
+    "i2c-data",
     "data",
 ]
 
 # Drivers that are set up over SPI: each needs the chip select of its socket.
 _SPI_DRIVERS = ("TMC2130", "TMC2240", "TMC2660", "TMC5160")
 _MOTOR_PINS: dict[str, Need] = {"step": "digital", "direction": "digital", "enable": "enable"}
-# Functions of pins that several drivers or sensors may share.
+_LINES: dict[str, Need] = {"scl_pin": "i2c-clock", "sda_pin": "i2c-data"}
+# Functions of pins that several drivers, sensors or lights may share.
 _WIRES: dict[str, Need] = {
     "uart_pin": "receive",
     "tx_pin": "send",
     "clock_pin": "clock",
     "mosi_pin": "to-device",
     "miso_pin": "from-device",
+    **_LINES,
 }
 _SHARED = ("enable", *_WIRES.values())
-_LINES = ("scl_pin", "sda_pin")  # of I2C
 _LED_PINS = ("red_pin", "green_pin", "blue_pin", "white_pin")
 # The marks with an effect, by function; pins of other functions allow none.
 _MARKS: dict[Need, str] = {
@@ -130,8 +132,8 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
             yield from _claim(("lights", name, key), content.get(key), hardware)
         for key in ("pin", "data_pin", "clock_pin"):
             yield from _claim(("lights", name, key), content.get(key), "data")
-        for key in _LINES:
-            yield from _claim(("lights", name, key), content.get(key), "line")
+        for key, need in _LINES.items():
+            yield from _claim(("lights", name, key), content.get(key), need)
     for name, content in tables(data, "homing"):
         yield from _claim(("homing", name, "pin"), content.get("pin"), "switch")
         for stepper, pin in table(content, "stepper_pins").items():
@@ -141,8 +143,6 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
     accelerometer = table(data, "accelerometer")
     yield from _claim(("accelerometer", "cs_pin"), accelerometer.get("cs_pin"), "select")
     yield from _wires(("accelerometer",), accelerometer)
-    for key in _LINES:
-        yield from _claim(("accelerometer", key), accelerometer.get(key), "line")
     yield from _claim(("laser", "pin"), table(data, "laser").get("pin"), "pwm")
     for part in ("mains", "beeper"):
         yield from _claim((part, "pin"), table(data, part).get("pin"))
@@ -187,7 +187,7 @@ def _check_parts(data: Raw) -> Iterator[Finding]:
         first = stepper.get("step_pin", stepper.get("socket"))
         keys = ("socket", "cs_pin", "spi_bus", *_WIRES, *STALL_PINS)
         yield from _check_together(("steppers", name, "tmc"), {**tmc, "socket": first}, keys)
-    keys = ("cs_pin", "spi_bus", *_WIRES, "i2c_bus", *_LINES)
+    keys = ("cs_pin", "spi_bus", *_WIRES, "i2c_bus")
     yield from _check_together(("accelerometer",), table(data, "accelerometer"), keys)
     for kind in ("heaters", "fans", "outputs"):
         for name, part in tables(data, kind):
@@ -198,8 +198,11 @@ def _check_parts(data: Raw) -> Iterator[Finding]:
                     path = (kind, name, "further_pins", i)
                     yield Finding("config.conflict", path, pin, limit)
     for name, light in tables(data, "lights"):
-        for keys in (("data_pin", "clock_pin"), _LINES):
+        for keys in (("data_pin", "clock_pin"), tuple(_LINES)):
             yield from _check_together(("lights", name), light, keys)
+    for name, shown in tables(data, "sensors"):
+        sensor = table(shown, "sensor")
+        yield from _check_together(("sensors", name, "sensor"), sensor, ("scl_pin", "sda_pin"))
     fans = dict(tables(data, "fans"))
     for name, content in fans.items():
         both = {"pin": content.get("pin"), "tachometer": table(content, "tachometer").get("pin")}

@@ -8,6 +8,7 @@ from difflib import get_close_matches
 from typing import Any, NamedTuple, get_args
 
 from passo.config.findings import Finding, table, tables
+from passo.config.i2c_sensors import I2C_KINDS
 from passo.config.sensors import AnySensor
 from passo.config.thermistor import Ntc
 
@@ -17,7 +18,7 @@ KINDS: tuple[str, ...] = tuple(
     for model in get_args(get_args(AnySensor)[0])
     for kind in get_args(model.model_fields["kind"].annotation)
 )
-SHOWN_KINDS = ("host", "chip", "combined")  # of sensors without a heater
+SHOWN_KINDS = ("host", "chip", "combined", *I2C_KINDS)  # of sensors without a heater
 _MAX_NEAR = 6
 
 

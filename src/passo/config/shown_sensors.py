@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from passo.config.i2c_sensors import I2cSensor
 from passo.config.sensors import AnySensor, Thermistor
 from passo.config.types import Letter, Model, PartName, Pin
 
@@ -47,7 +48,8 @@ class ShownSensor(Model):
     """A temperature sensor without a heater."""
 
     sensor: Annotated[
-        AnySensor | HostSensor | ChipSensor | CombinedSensor, Field(discriminator="kind")
+        AnySensor | HostSensor | ChipSensor | CombinedSensor | I2cSensor,
+        Field(discriminator="kind"),
     ] = Field(default_factory=Thermistor)
     """The sensor: a [name](sensors.md), `"host"`, `"chip"`, or a table. If not given, a thermistor
     of 100 kΩ."""
@@ -59,7 +61,7 @@ class ShownSensor(Model):
     """The maximum temperature. A reading above it is a fault."""
     on_fault: Literal["machine", "report"] = "report"
     """Whether a broken sensor, or a reading beyond `min_c` or `max_c`, halts the printer or is only
-    reported."""
+    reported. A chip on I2C that gives no reading is only reported."""
     letter: Letter | None = None
     """The letter of this temperature in M105, such as C for a chamber."""
     ambient_c: Annotated[float, Field(ge=-50, le=300)] = 25.0

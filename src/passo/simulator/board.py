@@ -25,6 +25,7 @@ from passo.simulator.dictionary import (
     pin_numbers,
 )
 from passo.simulator.plant import Area, BedProbe, PlantDescription
+from passo.simulator.sensor_chips import SensorChip, sensor_chip
 
 _FLICKERS = 2  # of `force_switch`
 _ELSEWHERE = 1 << 16  # no board has so many pins
@@ -73,6 +74,7 @@ class SimulatedBoard:
         self.converters = dict(self._add_converters())
         self.accelerometers = list(self._add_accelerometers())
         self.led_chips = dict(self._add_lights())
+        self.sensor_chips = dict(self._add_sensor_chips())
         self.digipots = [
             _core.add_digipot(self.device, *(self._pins[bare(pin)] for pin in setting.spi.pins))
             for setting in board.settings
@@ -346,6 +348,16 @@ class SimulatedBoard:
                 self.device.add_lights(self._light_pin(light.name), clock, light.count)
             else:
                 self.device.add_lights(self._light_pin(light.name))
+
+    def _add_sensor_chips(self) -> Iterator[tuple[str, SensorChip]]:
+        """The sensor chips on I2C, by the names of their sensors."""
+        for sensor in self.board.i2c_sensors:
+            chip = sensor_chip(sensor.kind, float(self.board.clock_hz))
+            chip.celsius = sensor.ambient_c
+            clock, data = (self._pins[bare(pin)] for pin in sensor.wire.pins)
+            calls = chip.begin, chip.take, chip.give
+            _core.add_i2c_chip(self.device, clock, data, sensor.wire.address, *calls)
+            yield sensor.name, chip
 
     def _counter_pin(self, counter: str) -> int:
         return self._pins[bare(next(c.pin for c in self.board.counters if c.name == counter))]

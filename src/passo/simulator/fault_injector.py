@@ -11,8 +11,10 @@ from passo.errors import CommandError
 
 if TYPE_CHECKING:
     from passo.simulator.machine import SimulatedMachine
+    from passo.simulator.sensor_chips import SensorChip
 
 _SENSOR = (NO_FAULT, "open", "short", "noise", "loose")
+_CHIP = (NO_FAULT, "silent", "garbled")
 _HEATER = (NO_FAULT, "on", "off")
 _ENDSTOP = (NO_FAULT, "triggered", "open")
 _FLICKERS = "flickering"
@@ -47,6 +49,9 @@ class SimulatedFaults:
             self._add(f"{heater.name}-heater", _HEATER, self._heater_setter(heater.sensor))
         for sensor in board.shown:
             self._add(f"{sensor.name}-sensor", _SENSOR, self._sensor_setter(sensor.name))
+        for sensor in board.i2c_sensors:
+            chip = machine.sensor_chips[sensor.name]
+            self._add(f"{sensor.name}-sensor", _CHIP, _chip_setter(chip))
         for endstop in board.endstops:
             self._add(f"{endstop.name}-endstop", _ENDSTOP, self._endstop_setter(endstop.name))
             if endstop.name == PROBE:
@@ -148,6 +153,13 @@ class SimulatedFaults:
             self._machine.spoil_cable(board, noise if fault == "noise" else 0.0)
 
         return set_fault
+
+
+def _chip_setter(chip: SensorChip) -> Callable[[str, float | None], None]:
+    def set_fault(fault: str, _: float | None) -> None:
+        chip.plugged, chip.garbled = fault != "silent", fault == "garbled"
+
+    return set_fault
 
 
 def _share(text: str) -> float | None:

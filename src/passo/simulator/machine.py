@@ -49,6 +49,7 @@ class SimulatedMachine:
         }
         self.drivers = {m: chip for b in boards.values() for m, chip in b.drivers.items()}
         self.stalls = {m: part for b in boards.values() for m, part in b.stalls.items()}
+        self.sensor_chips = {n: c for b in boards.values() for n, c in b.sensor_chips.items()}
         self._distant: dict[SimulatedBoard, _core.Distant] = {}
         self._own: dict[tuple[str, str], SimulatedBoard] = {}
         for number, (name, board) in enumerate(boards.items()):

@@ -15,7 +15,8 @@ def without_buses(board: BoardDescription) -> BoardDescription:
     simulated chip has no such buses, but as many pins as it needs."""
     accelerometers = tuple(replace(a, wire=_on_pins(a.wire)) for a in board.accelerometers)
     drivers = tuple(replace(d, wire=_on_pins(d.wire)) for d in board.drivers)
-    return replace(board, accelerometers=accelerometers, drivers=drivers)
+    sensors = tuple(replace(s, wire=_on_pins(s.wire)) for s in board.i2c_sensors)
+    return replace(board, accelerometers=accelerometers, drivers=drivers, i2c_sensors=sensors)
 
 
 def _on_pins(wire: _Wire) -> _Wire | SpiPins | I2cPins:

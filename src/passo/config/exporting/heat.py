@@ -5,7 +5,9 @@ from __future__ import annotations
 from math import exp, log
 from typing import TYPE_CHECKING, Any
 
+from passo.config.i2c_sensors import FAMILIES, I2cSensor
 from passo.config.klipper_names import fan_object, heater_object, temperature_object
+from passo.config.pin_names import placed
 from passo.config.sensors import (
     Converter,
     Platinum,
@@ -135,12 +137,33 @@ def put_shown_sensor(cfg: Cfg, name: str, section: str) -> None:
         cfg.put(section, combination_method=sensor.by, maximum_deviation=999.9)
     elif isinstance(sensor, ChipSensor):
         cfg.put(section, sensor_type="temperature_mcu", sensor_mcu=sensor.board or None)
+    elif isinstance(sensor, I2cSensor):
+        _put_i2c_sensor(cfg, section, sensor)
     else:
         cfg.put(section, sensor_pin=cfg.pin(shown.sensor_pin) if shown.sensor_pin else None)
         put_sensor(cfg, "sensors", name, sensor, section)
     set_ = shown.model_fields_set
     low, high = (getattr(shown, key) if key in set_ else None for key in ("min_c", "max_c"))
     cfg.put(section, min_temp=low, max_temp=high, gcode_id=shown.letter)
+
+
+def _put_i2c_sensor(cfg: Cfg, section: str, sensor: I2cSensor) -> None:
+    """Klipper's name for all chips of Bosch is BME280."""
+    family = FAMILIES[sensor.kind]
+    kind = family.name if family.name == "bme280" else sensor.kind
+    scl, sda = (cfg.pin(pin) if pin else None for pin in (sensor.scl_pin, sensor.sda_pin))
+    cfg.put(
+        section,
+        sensor_type=kind.upper(),
+        i2c_address=sensor.used_address,
+        i2c_mcu=sensor.written_board or None,
+        i2c_bus=placed(sensor.i2c_bus)[1] if sensor.i2c_bus else None,
+        i2c_software_scl_pin=scl,
+        i2c_software_sda_pin=sda,
+        i2c_speed=sensor.i2c_hz,
+    )
+    if family.report_option:
+        cfg.put(section, **{family.report_option: sensor.period_s})
 
 
 def _put_tachometer(cfg: Cfg, section: str, tachometer: Tachometer) -> None:

@@ -50,6 +50,12 @@ SENSOR: Options = (
     number("rtd_reference_r", _of_sensor("MAX31865", 430.0)),
     whole("rtd_num_of_wires", _of_sensor("MAX31865", 2)),
     flag("rtd_use_50hz_filter", _of_sensor("MAX31865", value=False)),
+    text("i2c_mcu"),
+    text("i2c_bus"),
+    text("i2c_software_scl_pin"),
+    text("i2c_software_sda_pin"),
+    whole("i2c_address"),
+    whole("i2c_speed"),
 )
 _HEATER: Options = (
     *SENSOR,

@@ -71,6 +71,18 @@ def temperature_sensor(status: Status, name: str) -> Object:
     }
 
 
+def i2c_sensor(status: Status, name: str) -> Object:
+    """A sensor chip on I2C: °C, and % of relative humidity and hPa, if it measures them. 0 while
+    there is no reading, as in Klipper."""
+    seen = status.sensors[name]
+    found = {"temperature": round(seen.celsius or 0.0, 2)}
+    if seen.humidity is not None:
+        found["humidity"] = round(seen.humidity, 2)
+    if seen.pressure_hpa is not None:
+        found["pressure"] = round(seen.pressure_hpa, 2)
+    return found
+
+
 def heaters(machine: MachineConfig) -> Object:
     """The names of all heaters and sensors."""
     names = [heater_object(machine, name) for name in machine.heaters]

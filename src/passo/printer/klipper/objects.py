@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from passo.config.klipper_names import (
     board_object,
+    chip_object,
     driver_object,
     fan_object,
     heater_object,
@@ -24,6 +25,7 @@ from passo.printer.klipper.heat import (
     fan,
     heater,
     heaters,
+    i2c_sensor,
     light,
     output_pin,
     temperature_fan,
@@ -116,6 +118,8 @@ def objects(
         shown = temperature_object(machine, name)
         if shown not in found:  # that of a fan shows its sensor
             found[shown] = lambda name=name: temperature_sensor(status, name)
+        if (chip := chip_object(machine, name)) is not None:
+            found[chip] = lambda name=name: i2c_sensor(status, name)
     for name, sensor in status.filament_sensors.items():
         found[sensor_object(machine, name)] = lambda sensor=sensor: {
             "filament_detected": sensor.detected,

@@ -13,7 +13,7 @@ from passo.printer.setup.board_inputs import analog_inputs_of, inputs_of
 from passo.printer.setup.board_outputs import output_of, outputs_of
 from passo.printer.setup.drivers import accelerometers, current_settings, drivers
 from passo.printer.setup.lights import lights_of
-from passo.printer.setup.sensors import sensor_of, shown_sensors
+from passo.printer.setup.sensors import i2c_sensors_of, sensor_of, shown_sensors
 
 if TYPE_CHECKING:
     from passo.config.heat import Heater as HeaterConfig
@@ -61,6 +61,7 @@ def board_description(machine: MachineConfig, board: str = MAIN) -> BoardDescrip
             if (tachometer := fan.tachometer) and placed(tachometer.pin)[0] == board
         ),
         lights=tuple(lights_of(machine, board)),
+        i2c_sensors=tuple(i2c_sensors_of(machine, board)),
         move_count=config.move_count,
         mcu=config.mcu,
         survives=config.survives,

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from passo.board.description import Sensor
+from passo.board.description import I2cPins, I2cSensor, Sensor
 from passo.config.chip_sensors import PIN, chip_sensor_table
+from passo.config.i2c_sensors import I2cSensor as I2cSensorConfig
 from passo.config.pin_names import MAIN, placed
 from passo.config.sensor_tables import (
     converter_of,
@@ -41,10 +42,22 @@ def shown_sensors(machine: MachineConfig, board: str) -> Iterator[Sensor]:
             table = chip_sensor_table(machine.all_boards[board].mcu)
             if (sensor.board or MAIN) == board and table is not None:
                 yield Sensor(name, PIN, table, of_chip=True)
-        elif (
-            not isinstance(sensor, HostSensor | CombinedSensor) and pin and placed(pin)[0] == board
-        ):
+        elif isinstance(sensor, HostSensor | CombinedSensor | I2cSensorConfig):
+            continue
+        elif pin and placed(pin)[0] == board:
             yield _sensor(machine, name, sensor, pin, (0.0, 1.0))
+
+
+def i2c_sensors_of(machine: MachineConfig, board: str) -> Iterator[I2cSensor]:
+    """The sensor chips on the I2C buses of a board."""
+    for name, shown in machine.sensors.items():
+        sensor = shown.sensor
+        if not isinstance(sensor, I2cSensorConfig) or sensor.written_board != board:
+            continue
+        scl, sda = (machine.pin(pin) if pin else "" for pin in (sensor.scl_pin, sensor.sda_pin))
+        bus = placed(sensor.i2c_bus)[1] if sensor.i2c_bus else ""
+        wire = I2cPins(scl, sda, sensor.used_address, sensor.i2c_hz, bus)
+        yield I2cSensor(name, sensor.kind, wire, sensor.period_s, shown.ambient_c)
 
 
 def _sensor(

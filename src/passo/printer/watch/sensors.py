@@ -11,6 +11,8 @@ from statistics import fmean
 from typing import TYPE_CHECKING, Literal
 
 from passo.board.reading import Reading
+from passo.board.shown_sensors import Broken, SensorReading
+from passo.config.i2c_sensors import I2cSensor
 from passo.config.shown_sensors import CombinedSensor, HostSensor
 from passo.errors import MachineError, Problem
 from passo.printer.status import SensorStatus
@@ -18,7 +20,6 @@ from passo.printer.status import SensorStatus
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from passo.board.shown_sensors import Broken
     from passo.config.shown_sensors import ShownSensor
     from passo.errors import PassoError
     from passo.printer.live_rig import LiveRig
@@ -28,23 +29,31 @@ _log = logging.getLogger(__name__)
 
 _HOST_S = 1.0  # between two readings of this computer's temperature
 _LASTS_S = 1.0  # a fault counts after this time
-FaultKind = Literal["", "open", "short", "low", "high"]
+_CHIP_FAULTS = ("silent", "garbled", "other-chip")  # of a chip on I2C, which stop nothing
+_BROKEN = ("open", "short", *_CHIP_FAULTS)
+FaultKind = Broken | Literal["low", "high"]
 
 
 @dataclass(frozen=True, slots=True)
 class SensorFault:
-    """A sensor without a heater is broken, or reads a temperature beyond `limit`. `str()` gives a
-    message with the next action."""
+    """A sensor without a heater is broken, or reads a temperature beyond `limit`. `place` and
+    `found` are the place of a chip on I2C, and what came from it. `str()` gives a message with the
+    next action."""
 
     sensor: str
     kind: FaultKind
     celsius: float
     limit: float
+    place: str = ""
+    found: str = ""
 
     @property
     def problem(self) -> Problem:
         """The fault as a problem of the catalogue."""
-        values = {"axis": self.sensor, "value": self.celsius, "limit": self.limit}
+        if self.kind in _CHIP_FAULTS:
+            values = {"axis": self.sensor, "value": self.found, "limit": self.place}
+        else:
+            values = {"axis": self.sensor, "value": self.celsius, "limit": self.limit}
         return Problem(f"sensor.{self.kind}", values=values)
 
     def __str__(self) -> str:
@@ -56,7 +65,7 @@ class _Seen:
     """What has been seen of one sensor."""
 
     def __init__(self) -> None:
-        self.reading = Reading(None)
+        self.found = SensorReading(Reading(None))
         self.lowest_c: float | None = None
         self.highest_c: float | None = None
         self.kind: FaultKind = ""  # of the last reading
@@ -81,17 +90,18 @@ class SensorWatch:
         host = now_s >= self._host_s + _HOST_S
         if host:
             self._host_s = now_s
+        if not (self._state.halted or self._rig.queue.interrupted):
+            self._rig.connection.work_i2c_sensors()
         for name, shown in self._sensors.items():
             seen = self._seen[name]
-            broken: Broken = ""
             if isinstance(shown.sensor, HostSensor):
                 if host:
-                    seen.reading = _of_host(shown.sensor)
+                    seen.found = SensorReading(_of_host(shown.sensor))
             elif isinstance(shown.sensor, CombinedSensor):
-                seen.reading = self._combined(shown.sensor)
+                seen.found = SensorReading(self._combined(shown.sensor))
             else:
-                seen.reading, broken = self._rig.connection.sensor(name, self._rig.queue.board_now)
-            self._take(name, shown, seen, broken, now_s)
+                seen.found = self._rig.connection.sensor(name, self._rig.queue.board_now)
+            self._take(name, shown, seen, now_s)
 
     def _combined(self, sensor: CombinedSensor) -> Reading:
         """The temperature that follows from others; unknown while one of them is."""
@@ -111,28 +121,32 @@ class SensorWatch:
         name: str,
         shown: ShownSensor,
         seen: _Seen,
-        broken: Broken,
         now_s: float,
     ) -> None:
-        celsius = seen.reading.current_c
-        if celsius is None:
+        celsius, broken = seen.found.reading.current_c, seen.found.broken
+        if celsius is None and not broken:
             return
         kind = _kind_of(shown, celsius, broken)
         if kind != seen.kind:
             seen.kind, seen.since_s = kind, now_s
-        if not broken:
+        if celsius is not None and not broken:
             seen.lowest_c = min(celsius, celsius if seen.lowest_c is None else seen.lowest_c)
             seen.highest_c = max(celsius, celsius if seen.highest_c is None else seen.highest_c)
         if kind != seen.fault and (not kind or now_s >= seen.since_s + _LASTS_S):
             seen.fault = kind
             if kind:
-                limit = shown.min_c if kind == "low" else shown.max_c
-                self._failed(shown, SensorFault(name, kind, celsius, limit))
+                self._failed(shown, self._fault(name, kind))
+
+    def _fault(self, name: str, kind: FaultKind) -> SensorFault:
+        seen, shown = self._seen[name], self._sensors[name]
+        limit = shown.min_c if kind == "low" else shown.max_c
+        place = _place_of(shown.sensor) if isinstance(shown.sensor, I2cSensor) else ""
+        return SensorFault(name, kind, seen.found.reading.number_c, limit, place, seen.found.found)
 
     def _failed(self, shown: ShownSensor, fault: SensorFault) -> None:
         if self._state.halted:
             return
-        if shown.on_fault == "machine":
+        if shown.on_fault == "machine" and fault.kind not in _CHIP_FAULTS:
             self._halt(MachineError([fault.problem]), fault.problem.sentence)
             return
         self._state.announce(_log, logging.WARNING, str(fault), fault.problem)
@@ -140,24 +154,24 @@ class SensorWatch:
     def celsius(self, name: str) -> float | None:
         """The temperature of a sensor now; None if it is unknown or broken."""
         seen = self._seen[name]
-        return None if seen.kind in ("open", "short") else seen.reading.current_c
+        return None if seen.kind in _BROKEN else seen.found.reading.current_c
 
     def broken(self, name: str) -> SensorFault | None:
         """The fault of a broken sensor, once it has been reported."""
-        seen, shown = self._seen[name], self._sensors[name]
-        if seen.fault not in ("open", "short"):
-            return None
-        return SensorFault(name, seen.fault, seen.reading.number_c, shown.max_c)
+        fault = self._seen[name].fault
+        return self._fault(name, fault) if fault in _BROKEN else None
 
     def status(self) -> dict[str, SensorStatus]:
         """The status of all sensors, by their names."""
         return {
             name: SensorStatus(
-                None if seen.kind in ("open", "short") else seen.reading.celsius,
+                None if seen.kind in _BROKEN else seen.found.reading.celsius,
                 seen.lowest_c,
                 seen.highest_c,
                 seen.fault,
-                seen.reading.age_s,
+                seen.found.reading.age_s,
+                seen.found.humidity,
+                seen.found.pressure_hpa,
             )
             for name, seen in self._seen.items()
         }
@@ -169,8 +183,14 @@ def _of_host(sensor: HostSensor) -> Reading:
     return Reading(None)
 
 
-def _kind_of(shown: ShownSensor, celsius: float, broken: Broken) -> FaultKind:
-    if broken:
+def _place_of(sensor: I2cSensor) -> str:
+    """The bus and the address of a chip, as an owner looks for them."""
+    bus = sensor.i2c_bus or f"{sensor.scl_pin} and {sensor.sda_pin}"
+    return f"address {sensor.used_address} on I2C ({bus})"
+
+
+def _kind_of(shown: ShownSensor, celsius: float | None, broken: Broken) -> FaultKind:
+    if broken or celsius is None:
         return broken
     if celsius < shown.min_c:
         return "low"

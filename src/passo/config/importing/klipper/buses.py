@@ -1,13 +1,14 @@
-"""The pins of SPI units, by their names in Klipper's firmware."""
+"""The buses of chips: the pins of SPI units, by their names in Klipper's firmware, and I2C."""
 
 from __future__ import annotations
 
 import re
 from typing import TYPE_CHECKING
 
-from passo.config.pin_names import named_on, placed
+from passo.config.pin_names import MAIN, named_on, placed
 
 if TYPE_CHECKING:
+    from passo.config.importing.draft import Place
     from passo.config.importing.klipper.cfg import Section
     from passo.config.importing.klipper.conversion import Import
 
@@ -33,6 +34,23 @@ _SPI = {
     "spi_software_mosi_pin": "mosi_pin",
     "spi_software_sclk_pin": "clock_pin",
 }
+
+
+_I2C = {"i2c_software_scl_pin": "scl_pin", "i2c_software_sda_pin": "sda_pin"}
+
+
+def i2c_bus_of(job: Import, section: Section) -> dict[str, tuple[str, Place]]:
+    """The pins of a chip's I2C bus by key, or its `i2c_bus`, with their places. Raises ConfigError
+    if the section has neither."""
+    pins = {option: job.pins.of(section, option) for option in _I2C}
+    mcu, bus = section.text("i2c_mcu"), section.text("i2c_bus")
+    given = {_I2C[o]: (pin, section.at(o)) for o, pin in pins.items() if pin is not None}
+    if len(given) == len(_I2C):
+        return given
+    if not bus:
+        raise section.missing("i2c_bus", "a bus, or i2c_software_scl_pin and i2c_software_sda_pin")
+    board = job.pins.further.get(mcu, MAIN)
+    return {"i2c_bus": (named_on(board, bus), section.at("i2c_bus"))}
 
 
 def wires_of(job: Import, section: Section, select: str) -> dict[str, str]:
