@@ -9,7 +9,6 @@ from passo import config
 from passo.config.exporting.settings import Sections
 from passo.config.i2c_sensors import I2C_KINDS
 from passo.config.load import shipped_text
-from passo.errors import ConfigError
 from passo.printer.klipper.objects import objects
 
 BUS = 'scl_pin = "D11", sda_pin = "D6"'
