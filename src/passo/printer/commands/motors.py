@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from passo.config.klipper_names import motors_by_name, stepper_object
+from passo.config.part_names import found_name
+from passo.errors import CommandError
 from passo.gcode.command import Command
-from passo.gcode.parameters import axes, ignored, number
+from passo.gcode.parameters import axes, ignored, integer, number, text
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.motion.endstops import axes_lost, named_motors
 from passo.motion.rig import Rig
@@ -109,6 +112,23 @@ class Motors:
         steppers = self.named(command.text)
         self._laser.off()
         return WaitForMoves(lambda: self._set(steppers, on=False))
+
+    @command(
+        "SET_STEPPER_ENABLE",
+        Subject.MOTORS,
+        When.EXCLUSIVE,
+        "Switches one motor on or off at standstill. Off, its axis is no longer homed.",
+        text("STEPPER", "the name of the motor: stepper_x, extruder", required=True),
+        integer("ENABLE", "1: on, 0: off", low=0, high=1, default=1),
+    )
+    def _switch_one(self, command: Command, _: Reply) -> Wait:
+        written, on = command.string("STEPPER"), bool(command.value("ENABLE", 1))
+        named = motors_by_name(self._machine, self._machine.steppers)
+        found = found_name(named, written)
+        if found is None:
+            limit = ", ".join(stepper_object(self._machine, one) for one in self._machine.steppers)
+            raise CommandError.of("command.value", axis="STEPPER", value=written, limit=limit)
+        return WaitForMoves(lambda: self._set([named[found]], on=on))
 
     @command(
         "SET_IDLE_TIMEOUT",

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from passo.config.klipper_names import stepper_object
 from passo.config.motor_roles import axis_order
 from passo.errors import CommandError, Problem
 from passo.gcode.command import Command
 from passo.gcode.parameters import flag, ignored, number, refused, rest
 from passo.gcode.registry import Kind, Subject, When, command
+from passo.motion.axis_slots import E, slot_of_axis
 from passo.motion.endstops import switches
 from passo.printer.wait_requests import Reply, Wait
 from passo.probes.base import SensingProbe
@@ -89,6 +91,27 @@ class Reports:
         if "D" in flags:
             reply.say(f"Real: {self._real()}")
         return None
+
+    @command(
+        "GET_POSITION",
+        Subject.POSITIONS,
+        When.IMMEDIATE,
+        "Reports the steps of the motors, and the positions of machine and program, in mm.",
+        kind=Kind.QUIET,
+    )
+    def _all_positions(self, command: Command, reply: Reply) -> None:
+        job, machine = self._rig.job, self._control.machine
+        counts = " ".join(
+            f"{stepper_object(machine, row['name'])}:{row['count']}"
+            for row in job.motors.statistics()
+        )
+        reply.say(f"mcu: {counts}")
+        letters, at = [*self._letters, "E"], job.machine_position
+        slots = [*(slot_of_axis(i) for i in range(len(self._letters))), E]
+        places = {"toolhead": [at[slot] for slot in slots], "gcode": job.program_position}
+        for name, place in places.items():
+            words = (f"{k}:{round(mm, 6) + 0.0:.6f}" for k, mm in zip(letters, place, strict=True))
+            reply.say(f"{name}: {' '.join(words)}")
 
     def _require_board(self) -> None:
         """Raises CommandError while the boards are stopped, because they do not answer then."""

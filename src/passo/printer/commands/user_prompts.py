@@ -7,7 +7,7 @@ from collections.abc import Callable, Generator
 from contextlib import contextmanager
 
 from passo.gcode.command import Command, numeral, words_of
-from passo.gcode.parameters import number, rest
+from passo.gcode.parameters import number, rest, text
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.printer.commands.beeper import Beeper
 from passo.printer.state import State
@@ -19,7 +19,7 @@ _WORDS = re.compile(r"\s*(?:[PS]\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:\s+|$))+", re.IGNO
 
 
 class UserPrompts:
-    """M0, M1, M85, M117 of one printer."""
+    """M0, M1, M85, M117 and SET_DISPLAY_TEXT of one printer."""
 
     def __init__(self, state: State, beeper: Beeper) -> None:
         self._state, self._beeper = state, beeper
@@ -99,10 +99,23 @@ class UserPrompts:
         rest("text", "the message"),
         kind=Kind.QUIET,
     )
-    def _show(self, command: Command, _: Reply) -> Wait | None:
-        self.message = command.text
-        self._state.tell(f"// action:notification {command.text}")
-        return None
+    def _show(self, command: Command, _: Reply) -> None:
+        self._display(command.text)
+
+    @command(
+        "SET_DISPLAY_TEXT",
+        Subject.CONSOLES,
+        When.IMMEDIATE,
+        "Sends a message to displays and hosts, as M117; without MSG it removes the message.",
+        text("MSG", "the message"),
+        kind=Kind.QUIET,
+    )
+    def _set_text(self, command: Command, _: Reply) -> None:
+        self._display(command.string("MSG", ""))
+
+    def _display(self, message: str) -> None:
+        self.message = message
+        self._state.tell(f"// action:notification {message}")
 
     @command(
         "M85",
