@@ -48,3 +48,22 @@ def test_fan_with_a_sensor_of_its_name_shows_the_temperature_once(s):
     assert settings["sensor_pin"] == "PK4"
     s.host.send('TEMPERATURE_WAIT SENSOR="temperature_fan electronics" MINIMUM=30')
     s.host.expect("^ok", 5)
+
+
+@pytest.mark.parametrize(
+    ("fault", "flags", "code"),
+    [
+        ("hot", {"otpw": 1}, "driver.hot"),
+        ("short", {"s2ga": 1}, "driver.short-to-ground"),
+        ("silent", None, "driver.silent"),
+    ],
+)
+def test_simulated_driver_reports_its_fault_until_it_ends(s, fault, flags, code):
+    s.host.ok(f"SIMULATE_FAULT NAME=z-driver VALUE={fault}")
+    s.passes(2)
+    z = s.printer.status.read().drivers["z"]
+    assert (z.flags, [found.code for found in z.findings]) == (flags, [code])
+    s.host.ok("SIMULATE_FAULT NAME=z-driver VALUE=none")
+    s.passes(4)
+    z = s.printer.status.read().drivers["z"]
+    assert (z.flags, z.findings) == ({}, ())

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 
 from passo.board.fault_injection import NO_FAULT
 from passo.config.probing import PROBE
+from passo.config.trinamic import CHIPS
 from passo.errors import CommandError
 
 if TYPE_CHECKING:
+    from passo.config.trinamic import ChipName
     from passo.simulator.machine import SimulatedMachine
     from passo.simulator.sensor_chips import SensorChip
 
@@ -25,6 +27,14 @@ _INPUTS = {
 }
 _CABLE = (NO_FAULT, "cut", "noise")
 _FAN = (NO_FAULT, "stalled", "silent")
+# The flags that a driver reports.
+_DRIVER = {
+    "hot": ("otpw",),
+    "overheated": ("otpw", "ot"),
+    "short": ("s2ga",),
+    "open": ("ola",),
+}
+_SILENT = "silent"
 _BED = (NO_FAULT, "tilted")
 _TILT_MM = 1.0  # over the width of the bed
 _SENSOR_NOISE = 0.05  # maximum, as a fraction of the ADC's full scale, in both directions
@@ -63,6 +73,9 @@ class SimulatedFaults:
             self._add(name, values, self._input_setter(name, levels))
         for counter in board.counters:
             self._add(f"{counter.name}-fan", _FAN, self._fan_setter(counter.name))
+        for driver in board.drivers:
+            setter = self._driver_setter(driver.stepper, driver.settings.chip)
+            self._add(f"{driver.stepper}-driver", (NO_FAULT, *_DRIVER, _SILENT), setter)
         for name in machine.boards:
             self._add(f"{name}-cable" if name else "cable", _CABLE, self._cable_setter(name))
 
@@ -142,6 +155,16 @@ class SimulatedFaults:
         return lambda fault, _: self._machine.force_rotor(
             counter, stalled=fault == "stalled", silent=fault == "silent"
         )
+
+    def _driver_setter(self, motor: str, kind: ChipName) -> Callable[[str, float | None], None]:
+        chip, status = self._machine.drivers[motor], CHIPS[kind].status
+
+        def set_fault(fault: str, _: float | None) -> None:
+            flags = (status.fields[flag].placed(1) for flag in _DRIVER.get(fault, ()))
+            chip.set(status.address, sum(flags))
+            chip.plugged = fault != _SILENT
+
+        return set_fault
 
     def _set_bed(self, fault: str, _: float | None) -> None:
         self._machine.tilt_bed(_TILT_MM if fault == "tilted" else 0.0)
