@@ -73,6 +73,15 @@ def test_settings_become_commands(web, bridge, path, body, script):
         ("fans/part/target", {"celsius": 40}, None),
         ("inputs/filament-sensors/roll", {"enabled": False}, "SENSOR=roll ENABLE=0"),
         ("inputs/filament-sensors/none", {"enabled": False}, None),
+        (
+            "lights/head/color",
+            {"red": 0.5, "led": 3},
+            "LED=head RED=0.5 GREEN=0 BLUE=0 WHITE=0 INDEX=3",
+        ),
+        ("lights/light/color", {"red": 0.5}, None),
+        ("servos/cover/angle", {"degrees": 45}, "SET_SERVO SERVO=cover ANGLE=45"),
+        ("servos/cover/angle", {"degrees": None}, "SET_SERVO SERVO=cover WIDTH=0"),
+        ("servos/lid/angle", {"degrees": 45}, None),
     ],
 )
 def test_parts_of_the_machine_file_are_set_by_name(path, body, script):
@@ -90,6 +99,36 @@ def test_machine_names_its_inputs_and_outputs():
     encoder = {"kind": "motion", "part": "encoder", "pin": "^D34", "length_mm": 7.0}
     assert found["inputs"]["filament-encoder"] == encoder
     assert found["inputs"]["button-door"]["part"] == "door"
+
+
+def test_machine_names_its_lights_servos_and_axes_with_stalls():
+    with local_client(FakeBridge(machine="i3-all-parts")) as web:
+        found = web.get("/api/v1/machine").json()
+    assert found["lights"] == {
+        "head": {"count": 8, "colors": "RGB"},
+        "frame": {"count": 1, "colors": "RGBW"},
+    }
+    pulses = {"max_deg": 180.0, "min_pulse_us": 1000.0, "max_pulse_us": 2000.0}
+    assert found["servos"] == {"cover": pulses}
+    assert found["stall_axes"] == ["y"]
+
+
+@pytest.mark.parametrize(
+    ("path", "body", "command"),
+    [
+        ("motion/turn-motor", {"motor": "x"}, "STEPPER_BUZZ STEPPER=stepper_x"),
+        ("motion/turn-motor", {"motor": "e"}, "STEPPER_BUZZ STEPPER=extruder"),
+        ("motion/turn-motor", {"motor": "a"}, None),
+        ("calibration/stall", {"axis": "y", "repeats": 3}, "STALL_CALIBRATE AXIS=Y REPEATS=3"),
+        ("calibration/stall", {"axis": "x"}, None),  # it has a switch
+    ],
+)
+def test_motors_are_turned_and_stalls_found_by_name(path, body, command):
+    bridge = FakeBridge(machine="i3-all-parts")
+    with local_client(bridge) as web:
+        answer = web.post(f"/api/v1/{path}", json=body)
+    assert answer.status_code == (404 if command is None else 200 if "stall" in path else 204)
+    assert bridge.asked == ([] if command is None else [command])
 
 
 @pytest.mark.parametrize(

@@ -162,7 +162,7 @@ test("the page speaks Italian, and stays so", async ({ page }) => {
   expect(await page.locator("html").getAttribute("lang")).toBe("it");
 });
 
-testOf({ machine: "i3-all-parts" })("sensors, outputs and filament sensors have cards", async ({ page }) => {
+testOf({ machine: "i3-all-parts" })("sensors, outputs, lights and filament sensors have cards", async ({ page }) => {
   const chamber = page.getByRole("group", { name: "chamber" });
   await chamber.locator(".now", { hasText: /^3\d\.\d/ }).waitFor();
   await page.getByRole("img", { name: /Temperatures of hotend, bed, chamber, electronics/ }).waitFor();
@@ -172,6 +172,13 @@ testOf({ machine: "i3-all-parts" })("sensors, outputs and filament sensors have 
   await expect.poll(() => outputs.getByRole("switch", { name: "pump" }).getAttribute("aria-checked")).toBe("true");
   await outputs.getByRole("slider", { name: "light" }).fill("25");
   await outputs.locator(".slider").getByText("25").waitFor();
+
+  const lights = page.getByRole("region", { name: "Lights" });
+  await lights.getByLabel("Colour of head").fill("#ff8000");
+  const led = () => lights.getByRole("listitem", { name: "head" }).locator(".leds span").first().getAttribute("style");
+  await expect.poll(led).toContain("rgb(255, 128, 0)");
+  await lights.getByRole("switch", { name: "frame" }).click();
+  await expect.poll(() => lights.getByRole("slider", { name: "White" }).inputValue()).toBe("100");
 
   const filament = page.getByRole("region", { name: "Filament sensors" });
   const roll = filament.getByRole("listitem").filter({ hasText: "roll" });

@@ -158,7 +158,9 @@ test("settings show the appearance, the values of commands and the logs", async 
   await page.getByRole("heading", { name: "Aspetto" }).waitFor();
 });
 
-testOf({ machine: "i3-all-parts", clock: 5 })("each part of the machine is tested, with its live state", async ({ page, served }) => {
+const testParts = testOf({ machine: "i3-all-parts", clock: 10 });
+
+testParts("each part of the machine is tested, with its live state", async ({ page, served }) => {
   const simulate = async (part: string, fault: string) => {
     const url = `${served.url}api/v1/simulation/parts/${part}`;
     const answer = await page.request.put(url, { headers: { "X-Passo-Request": "1" }, data: { fault } });
@@ -204,10 +206,32 @@ testOf({ machine: "i3-all-parts", clock: 5 })("each part of the machine is teste
   await page.getByRole("button", { name: "Spin electronics" }).click();
   await page.getByRole("button", { name: "Stop electronics" }).waitFor();
 
+  const frame = row("frame");
+  await frame.getByRole("button", { name: "Test frame" }).click();
+  for (const colour of ["red", "green", "blue", "white"]) {
+    await frame.getByText(`Is it ${colour} now?`).waitFor();
+    await frame.getByRole("button", { name: "Next colour of frame" }).click();
+  }
+  await frame.getByText("Off", { exact: true }).waitFor();
+  await row("head").getByRole("button", { name: "Test head" }).click();
+  await expect.poll(() => row("head").locator(".leds span").last().getAttribute("style")).toContain("rgb(255, 0, 0)");
+
+  await page.getByRole("slider", { name: "Angle of cover" }).fill("90");
+  await row("cover").getByText("90°", { exact: true }).first().waitFor();
+  await page.getByRole("button", { name: "Signal off: cover" }).click();
+  await row("cover").getByText("no signal").waitFor();
+
   await row("chamber").getByText("Reads").waitFor();
-  const driver = page.getByRole("region", { name: "Motor drivers" }).getByRole("listitem", { name: "x" });
-  await driver.getByText(/^0\.8\d A/).waitFor();
+  const drivers = page.getByRole("region", { name: "Motor drivers" });
+  const driver = drivers.getByRole("listitem", { name: "x" });
+  await driver.getByText(/0\.8\d A, 0\.8\d A at standstill/).waitFor();
   await driver.getByText("No fault").waitFor();
+  await driver.getByRole("button", { name: "Turn motor x" }).click();
+  await driver.getByText("The motor turns 1 mm forth and back").waitFor();
+  await driver.getByRole("button", { name: "Turn motor x", disabled: false }).waitFor();
+  await simulate("z-driver", "hot");
+  await drivers.getByRole("listitem", { name: "z" }).getByText(/soon switch the motor off\. Cool it better/).waitFor();
+  await drivers.getByRole("listitem", { name: "z" }).getByText("The driver reports: hot").waitFor();
 
   for (const [width, colorScheme] of [[1440, "light"], [360, "dark"]] as const) {
     await page.setViewportSize({ width, height: 900 });
@@ -216,4 +240,22 @@ testOf({ machine: "i3-all-parts", clock: 5 })("each part of the machine is teste
     await expectAccessible(page);
     await picture(page, `parts-${width}-${colorScheme}`);
   }
+});
+
+testParts("the threshold of homing by stalls is found, and undone", async ({ page, served }) => {
+  const data = { script: "G28\nG1 Y110 F6000\nM400" };
+  await page.request.post(`${served.url}api/v1/console`, { headers: { "X-Passo-Request": "1" }, data });
+  await page.getByRole("link", { name: "Machine" }).click();
+  await page.getByText("Test parts", { exact: true }).click();
+  await page.getByRole("listitem", { name: "y", exact: true }).getByRole("link", { name: "Calibrate" }).click();
+  await page.getByText("The threshold now: 60").waitFor();
+  await page.getByRole("spinbutton", { name: "Homings" }).fill("2");
+  await page.getByRole("button", { name: "Start" }).click();
+  await page.getByText(/in place of 60; 2 times it stopped within/).waitFor();
+  const changed = page.getByRole("row", { name: "M914 Y" });
+  await changed.waitFor();
+  await expectAccessible(page);
+  await picture(page, "calibrate-stall-1280-light");
+  await page.getByRole("button", { name: "Undo" }).click();
+  await page.getByText("The threshold now: 60").waitFor();
 });

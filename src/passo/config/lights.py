@@ -42,6 +42,11 @@ class Neopixel(Model):
     start: _Start = [0.0, 0.0, 0.0]
     """Red, green, blue and perhaps white after the start, as fractions of full brightness."""
 
+    @property
+    def colors(self) -> str:
+        """The colours of its LEDs: some of R, G, B and W, in this order."""
+        return _in_order(self.order)
+
     def frame(self, colors: Iterable[Color]) -> bytes:
         """The bytes of the chain for the colour of each LED."""
         return bytes(
@@ -62,6 +67,11 @@ class Dotstar(Model):
     """The number of LEDs in the chain."""
     start: _Start = [0.0, 0.0, 0.0]
     """Red, green and blue after the start, as fractions of full brightness."""
+
+    @property
+    def colors(self) -> str:
+        """The colours of its LEDs."""
+        return "RGB"
 
     def frame(self, colors: Iterable[Color]) -> bytes:
         """The bytes of the chain for the colour of each LED."""
@@ -92,6 +102,11 @@ class LedChip(Model):
     def count(self) -> int:
         """The number of lights with a colour of their own."""
         return 1
+
+    @property
+    def colors(self) -> str:
+        """The colours of its LEDs: some of R, G, B and W, in this order."""
+        return _in_order(self.order)
 
     @property
     def setup(self) -> tuple[bytes, ...]:
@@ -136,6 +151,11 @@ class Led(Model):
         pins = {color: getattr(self, f"{color}_pin") for color in _NAMES}
         return {color: pin for color, pin in pins.items() if pin is not None}
 
+    @property
+    def colors(self) -> str:
+        """The colours of its LEDs: some of R, G, B and W, in this order."""
+        return _in_order("".join(color[0].upper() for color in self.pins))
+
 
 Framed = Neopixel | Dotstar | LedChip
 """Lights that a board sends frames to; the others are outputs."""
@@ -156,6 +176,10 @@ def led_outputs(name: str, light: Led) -> dict[str, str]:
 def shares(light: Led, color: Color) -> dict[str, float]:
     """The fraction of fully on of each of a light's outputs, by the names of the colours."""
     return {name: color[_NAMES.index(name)] for name in light.pins}
+
+
+def _in_order(colors: str) -> str:
+    return "".join(color for color in "RGBW" if color in colors)
 
 
 def _byte(share: float) -> int:

@@ -136,6 +136,16 @@ class Calibration:
         and uses it until `settings.store` stores it (G28, SHAPER_CALIBRATE). `machine.get`
         reports whether the machine has an accelerometer."""
         ...
+    def find_stall(
+        self,
+        axis: str,
+        repeats: float = ...,
+    ) -> passo.web.endpoints.console.Answer:
+        """Finds the threshold with which an axis homes by the stall of its motor, homes
+        with it, and reports how exactly (STALL_CALIBRATE); `settings.store` stores it.
+        Before, the axis must be in the middle of its travel. `machine.get` lists the axes
+        that home by a stall."""
+        ...
     def bed(
         self,
     ) -> passo.web.endpoints.calibration.BedMap:
@@ -464,6 +474,20 @@ class Job:
         """The last finished prints, newest first."""
         ...
 
+class Lights:
+    def set(
+        self,
+        name: str,
+        red: float = ...,
+        green: float = ...,
+        blue: float = ...,
+        white: float = ...,
+        led: float | None = ...,
+    ) -> None:
+        """Sets the colour of a light after the planned moves (SET_LED). An effect or a
+        template of the light stays visible."""
+        ...
+
 class Logs:
     def list(
         self,
@@ -567,6 +591,13 @@ class Motion:
     ) -> None:
         """Homes axes; answers when they are homed."""
         ...
+    def turn_motor(
+        self,
+        motor: str,
+    ) -> None:
+        """Turns a motor 1 mm forth and back, ten times (STEPPER_BUZZ); its axis need not be
+        homed. Answers when the motor is back."""
+        ...
     def wait(
         self,
     ) -> None:
@@ -626,6 +657,15 @@ class Queue:
         bed_clear: bool,
     ) -> None:
         """Starts the next print, and removes it from the queue."""
+        ...
+
+class Servos:
+    def set(
+        self,
+        name: str,
+        degrees: float | None,
+    ) -> None:
+        """Turns a servo after the planned moves (SET_SERVO)."""
         ...
 
 class Session:
@@ -878,6 +918,16 @@ class AsyncCalibration:
         """Homes all axes, vibrates an axis for about two minutes, chooses its input shaper,
         and uses it until `settings.store` stores it (G28, SHAPER_CALIBRATE). `machine.get`
         reports whether the machine has an accelerometer."""
+        ...
+    async def find_stall(
+        self,
+        axis: str,
+        repeats: float = ...,
+    ) -> passo.web.endpoints.console.Answer:
+        """Finds the threshold with which an axis homes by the stall of its motor, homes
+        with it, and reports how exactly (STALL_CALIBRATE); `settings.store` stores it.
+        Before, the axis must be in the middle of its travel. `machine.get` lists the axes
+        that home by a stall."""
         ...
     async def bed(
         self,
@@ -1207,6 +1257,20 @@ class AsyncJob:
         """The last finished prints, newest first."""
         ...
 
+class AsyncLights:
+    async def set(
+        self,
+        name: str,
+        red: float = ...,
+        green: float = ...,
+        blue: float = ...,
+        white: float = ...,
+        led: float | None = ...,
+    ) -> None:
+        """Sets the colour of a light after the planned moves (SET_LED). An effect or a
+        template of the light stays visible."""
+        ...
+
 class AsyncLogs:
     async def list(
         self,
@@ -1310,6 +1374,13 @@ class AsyncMotion:
     ) -> None:
         """Homes axes; answers when they are homed."""
         ...
+    async def turn_motor(
+        self,
+        motor: str,
+    ) -> None:
+        """Turns a motor 1 mm forth and back, ten times (STEPPER_BUZZ); its axis need not be
+        homed. Answers when the motor is back."""
+        ...
     async def wait(
         self,
     ) -> None:
@@ -1369,6 +1440,15 @@ class AsyncQueue:
         bed_clear: bool,
     ) -> None:
         """Starts the next print, and removes it from the queue."""
+        ...
+
+class AsyncServos:
+    async def set(
+        self,
+        name: str,
+        degrees: float | None,
+    ) -> None:
+        """Turns a servo after the planned moves (SET_SERVO)."""
         ...
 
 class AsyncSession:
@@ -1552,6 +1632,8 @@ class Client:
     @property
     def job(self) -> Job: ...
     @property
+    def lights(self) -> Lights: ...
+    @property
     def logs(self) -> Logs: ...
     @property
     def machine(self) -> Machine: ...
@@ -1561,6 +1643,8 @@ class Client:
     def outputs(self) -> Outputs: ...
     @property
     def queue(self) -> Queue: ...
+    @property
+    def servos(self) -> Servos: ...
     @property
     def session(self) -> Session: ...
     @property
@@ -1610,6 +1694,8 @@ class AsyncClient:
     @property
     def job(self) -> AsyncJob: ...
     @property
+    def lights(self) -> AsyncLights: ...
+    @property
     def logs(self) -> AsyncLogs: ...
     @property
     def machine(self) -> AsyncMachine: ...
@@ -1619,6 +1705,8 @@ class AsyncClient:
     def outputs(self) -> AsyncOutputs: ...
     @property
     def queue(self) -> AsyncQueue: ...
+    @property
+    def servos(self) -> AsyncServos: ...
     @property
     def session(self) -> AsyncSession: ...
     @property

@@ -585,6 +585,22 @@ export interface Levelling {
   procedure: "delta" | "gantry" | "screws";
 }
 
+/** A colour, as fractions of full brightness, of one LED of a light, from 1; without `led`, of
+ * all. */
+export interface LightColor {
+  red?: number;
+  green?: number;
+  blue?: number;
+  white?: number;
+  led?: number | null;
+}
+
+/** A coloured light: the number of its LEDs, and its `colors`, some of R, G, B and W. */
+export interface LightOfMachine {
+  count: number;
+  colors: string;
+}
+
 /** A line of a console. Consoles are numbered from 1; 0 means all consoles. `received`: the line
  * went from a host to the printer. */
 export interface Line {
@@ -617,7 +633,7 @@ export interface LogRecord {
 
 /** The machine as described by its file. `fans` are those that commands set; `tools` are those
  * that T0, T1, … select; `accelerometer`: it has one, which measures resonances. `inputs` have
- * the names of the status. */
+ * the names of the status; `stall_axes` are those that home by the stall of a motor. */
 export interface Machine {
   name: string;
   description: string;
@@ -628,6 +644,9 @@ export interface Machine {
   accelerometer: boolean;
   outputs: Record<string, OutputOfMachine>;
   inputs: Record<string, InputOfMachine>;
+  lights: Record<string, LightOfMachine>;
+  servos: Record<string, ServoOfMachine>;
+  stall_axes: string[];
 }
 
 /** The text of the machine file. `path` is null if there is no file to change: for a shipped
@@ -720,6 +739,11 @@ export interface MotionStatus {
   minimum_cruise_ratio: number;
   junction_deviation_mm: number;
   square_corner_mm_s: number;
+}
+
+/** A motor, by its name in the machine file. */
+export interface MotorToTurn {
+  motor: string;
 }
 
 /** An account to make. */
@@ -943,6 +967,18 @@ export interface SensorStatus {
   pressure_hpa?: number | null;
 }
 
+/** The angle of a servo; null switches its signal off. */
+export interface ServoAngle {
+  degrees?: number | null;
+}
+
+/** A servo: its largest angle, and the lengths of its pulses at 0° and at `max_deg`. */
+export interface ServoOfMachine {
+  max_deg: number;
+  min_pulse_us: number;
+  max_pulse_us: number;
+}
+
 /** A value that a command can set: `command` with `word` and the value. `value` is the active
  * value, `file` that of the machine file, and `stored` the value that M500 has stored; each of
  * the last two may be None. `source` is the source of the active value: `file`, `stored` or
@@ -990,6 +1026,12 @@ export interface SimulatedPart {
 /** The factor of all feedrates; 1 leaves them as in the file. */
 export interface SpeedFactor {
   factor: number;
+}
+
+/** An axis that homes by the stall of its motor, and how often it homes to measure how exactly. */
+export interface StallAxis {
+  axis: string;
+  repeats?: number;
 }
 
 /** The status of a printer at one moment. Positions are the current position in program

@@ -62,6 +62,13 @@ export const setFanTarget = (name: string, celsius: number) =>
 /** `value` is a fraction of fully on. */
 export const setOutput = (name: string, value: number) =>
   attempt(call("PUT", `outputs/${segment(name)}/value`, { value }));
+/** `color`: red, green, blue, white. */
+export const setLight = (name: string, [red, green, blue, white]: readonly number[]) =>
+  attempt(call("PUT", `lights/${segment(name)}/color`, { red, green, blue, white }));
+/** Null switches its signal off. */
+export const turnServo = (name: string, degrees: number | null) =>
+  attempt(call("PUT", `servos/${segment(name)}/angle`, { degrees }));
+export const turnMotor = (motor: string) => attempt(call("POST", "motion/turn-motor", { motor }));
 export const enableFilamentSensor = (name: string, enabled: boolean) =>
   attempt(call("PUT", `inputs/filament-sensors/${segment(name)}`, { enabled }));
 

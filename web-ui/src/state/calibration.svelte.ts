@@ -106,6 +106,7 @@ export const setValue = ({ command, word }: Pick<SettingValue, "command" | "word
 export const tuneHeater = (heater: string, celsius: number, method: "pid" | "model") =>
   call("POST", "calibration/heater", { heater, celsius, method });
 export const measureShaper = (axis: string) => call("POST", "calibration/shaper", { axis });
+export const findStall = (axis: string, repeats: number) => call("POST", "calibration/stall", { axis, repeats });
 export const measureBed = () => call("POST", "calibration/bed");
 export const level = (procedure: BedMap["procedures"][number]) => call("POST", "calibration/level", { procedure });
 export const repeatProbe = () => call("POST", "calibration/probe");

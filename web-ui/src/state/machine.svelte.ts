@@ -14,6 +14,10 @@ class Machine {
   outputs = $state.raw<Parts["outputs"]>({});
   /** Those of filament sensors and buttons, by their names in the status. */
   inputs = $state.raw<Parts["inputs"]>({});
+  lights = $state.raw<Parts["lights"]>({});
+  servos = $state.raw<Parts["servos"]>({});
+  /** The axes that home by the stall of a motor. */
+  stallAxes = $state.raw<Parts["stall_axes"]>([]);
   tools = $state.raw<Parts["tools"]>([]);
   /** It measures resonances. */
   accelerometer = $state(false);
@@ -25,6 +29,9 @@ class Machine {
     this.fans = read.fans;
     this.outputs = read.outputs;
     this.inputs = read.inputs;
+    this.lights = read.lights;
+    this.servos = read.servos;
+    this.stallAxes = read.stall_axes;
     this.tools = read.tools;
     this.accelerometer = read.accelerometer;
   }

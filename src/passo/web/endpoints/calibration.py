@@ -96,6 +96,14 @@ class Resonance(Struct, forbid_unknown_fields=True):
     axis: Literal["x", "y", "z"]
 
 
+class StallAxis(Struct, forbid_unknown_fields=True):
+    """An axis that homes by the stall of its motor, and how often it homes to measure how
+    exactly."""
+
+    axis: str
+    repeats: Annotated[float, Meta(ge=2, le=20, multiple_of=1)] = 5
+
+
 class BedMap(Struct):
     """The correction that is added to Z, in mm: `heights_mm[j][i]` at `xs_mm[i]`, `ys_mm[j]`; empty
     before the bed is measured. `probe`: the machine has a probe. `method` comes from the machine
@@ -218,6 +226,24 @@ async def measure_shaper(call: Call, body: Resonance) -> Answer:
         raise WebError.of("web.not-found", value="accelerometer of this machine")
     measure = Command.call("SHAPER_CALIBRATE", AXIS=body.axis.upper())
     return Answer(list(await call.commands(_HOME, measure)))
+
+
+@operation(
+    "calibration.find_stall",
+    "POST",
+    "/calibration/stall",
+    Role.OPERATOR,
+    errors=("machine.stall-unstable", *_ERRORS),
+)
+async def find_stall(call: Call, body: StallAxis) -> Answer:
+    """Finds the threshold with which an axis homes by the stall of its motor, homes with it, and
+    reports how exactly (STALL_CALIBRATE); `settings.store` stores it. Before, the axis must be in
+    the middle of its travel. `machine.get` lists the axes that home by a stall."""
+    home = call.bridge.machine.homing.get(body.axis)
+    if home is None or home.stall is None:
+        raise WebError.of("web.not-found", value=f"axis {body.axis} that homes by a stall")
+    find = Command.call("STALL_CALIBRATE", AXIS=body.axis.upper(), REPEATS=body.repeats)
+    return Answer(list(await call.commands(find)))
 
 
 @operation("calibration.bed", "GET", "/calibration/bed", Role.VIEWER)

@@ -36,6 +36,21 @@ class OutputOfMachine(Struct):
     pwm: bool
 
 
+class LightOfMachine(Struct):
+    """A coloured light: the number of its LEDs, and its `colors`, some of R, G, B and W."""
+
+    count: int
+    colors: str
+
+
+class ServoOfMachine(Struct):
+    """A servo: its largest angle, and the lengths of its pulses at 0° and at `max_deg`."""
+
+    max_deg: float
+    min_pulse_us: float
+    max_pulse_us: float
+
+
 class InputOfMachine(Struct):
     """The input of a filament sensor or a button on its pin. `part` is the name of the part in the
     machine file; `length_mm` is that of a motion sensor: at most this much filament passes between
@@ -50,7 +65,7 @@ class InputOfMachine(Struct):
 class Machine(Struct):
     """The machine as described by its file. `fans` are those that commands set; `tools` are those
     that T0, T1, … select; `accelerometer`: it has one, which measures resonances. `inputs` have the
-    names of the status."""
+    names of the status; `stall_axes` are those that home by the stall of a motor."""
 
     name: str
     description: str
@@ -61,6 +76,9 @@ class Machine(Struct):
     accelerometer: bool
     outputs: dict[str, OutputOfMachine]
     inputs: dict[str, InputOfMachine]
+    lights: dict[str, LightOfMachine]
+    servos: dict[str, ServoOfMachine]
+    stall_axes: list[str]
 
 
 @operation("machine.get", "GET", "/machine", Role.VIEWER)
@@ -87,6 +105,12 @@ async def machine(call: Call) -> Machine:
             if not output.fixed
         },
         inputs=_inputs(config),
+        lights={n: LightOfMachine(light.count, light.colors) for n, light in config.lights.items()},
+        servos={
+            name: ServoOfMachine(servo.max_deg, servo.min_pulse_us, servo.max_pulse_us)
+            for name, servo in config.servos.items()
+        },
+        stall_axes=[name for name, home in config.homing.items() if home.stall],
     )
 
 

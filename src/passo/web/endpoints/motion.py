@@ -6,6 +6,7 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
+from passo.config.klipper_names import stepper_object
 from passo.errors import WebError
 from passo.gcode.command import Command
 from passo.web.call import Call
@@ -27,6 +28,12 @@ class AxesToHome(Struct, forbid_unknown_fields=True):
     """Axes to home; without any, all axes that have an endstop."""
 
     axes: list[str] = []
+
+
+class MotorToTurn(Struct, forbid_unknown_fields=True):
+    """A motor, by its name in the machine file."""
+
+    motor: str
 
 
 _STATE = "_ui_jog"  # name under which SAVE_GCODE_STATE saves the modes
@@ -59,6 +66,15 @@ async def home(call: Call, body: AxesToHome) -> None:
     for name in body.axes:
         _require_axis(call, name, extruder=False)
     await call.command("G28", **dict.fromkeys((name.upper() for name in body.axes), True))
+
+
+@operation("motion.turn_motor", "POST", "/motion/turn-motor", Role.OPERATOR, errors=_ERRORS)
+async def turn_motor(call: Call, body: MotorToTurn) -> None:
+    """Turns a motor 1 mm forth and back, ten times (STEPPER_BUZZ); its axis need not be homed.
+    Answers when the motor is back."""
+    if body.motor not in call.bridge.machine.steppers:
+        raise WebError.of("web.not-found", value=f"motor {body.motor}")
+    await call.command("STEPPER_BUZZ", STEPPER=stepper_object(call.bridge.machine, body.motor))
 
 
 @operation("motion.wait", "POST", "/motion/wait", Role.OPERATOR, errors=("command.halted",))
