@@ -6,9 +6,9 @@ import os
 import re
 import tomllib
 import unicodedata
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path as FilePath
-from typing import NamedTuple, cast
+from typing import Any, NamedTuple, cast
 
 from pydantic import ValidationError
 
@@ -19,6 +19,7 @@ from passo.config.board_defaults import (
     put_pullups,
 )
 from passo.config.board_files import Source, put_boards
+from passo.config.changed_keys import put_changes
 from passo.config.checks import check_all
 from passo.config.findings import Finding, as_written, did_you_mean, key_text, table
 from passo.config.gains import question_gains
@@ -91,14 +92,19 @@ def load(name_or_path: str | os.PathLike[str]) -> MachineConfig:
 def load_and_question(name_or_path: str | os.PathLike[str]) -> Loaded:
     """Like `load`, with a question for each value that is probably wrong, each with its line, and
     with the files from which values come."""
+    return load_text_and_question(*text_and_file(name_or_path))
+
+
+def text_and_file(name_or_path: str | os.PathLike[str]) -> tuple[str, str]:
+    """The text that `load` reads, and the path of its file. Raises ConfigError."""
     name = os.fspath(name_or_path)
     path = machine_path(name)
     if path is not None:
-        return load_text_and_question(machine_file_text(path), str(path))
+        return machine_file_text(path), str(path)
     if name not in shipped_machines() and FilePath(name).exists():
         hint = "A machine file's name ends in .toml"
         raise ConfigError.of("config.unknown-machine", hint=hint, value=name)
-    return load_text_and_question(shipped_text(name), str(_HERE / "machines" / f"{name}.toml"))
+    return shipped_text(name), str(_HERE / "machines" / f"{name}.toml")
 
 
 def machine_file_text(path: FilePath) -> str:
@@ -119,15 +125,21 @@ def machine_file_text(path: FilePath) -> str:
         raise ConfigError.of("config.encoding", str(path), line, value=reason) from None
 
 
-def load_text(text: str, file: str = "<text>") -> MachineConfig:
-    """The machine that a TOML text describes; `file` names it in messages. Raises ConfigError."""
-    return load_text_and_question(text, file).machine
+def load_text(
+    text: str, file: str = "<text>", changes: Mapping[str, object] | None = None
+) -> MachineConfig:
+    """The machine that a TOML text describes; `file` names it in messages. Each of the `changes` is
+    a key in the form of messages (`axes.x.speed_mm_s`) with the value that replaces that of the
+    file. Raises ConfigError."""
+    return load_text_and_question(text, file, changes).machine
 
 
-def load_text_and_question(text: str, file: str = "<text>") -> Loaded:
+def load_text_and_question(
+    text: str, file: str = "<text>", changes: Mapping[str, object] | None = None
+) -> Loaded:
     """Like `load_text`, with all that `load_and_question` returns."""
     try:
-        return _machine(text, file)
+        return _machine(text, file, changes or {})
     except RecursionError:  # in the parser, or in functions that walk through nested tables
         raise ConfigError.of("config.syntax", file, value="it is nested too deeply") from None
 
@@ -135,32 +147,24 @@ def load_text_and_question(text: str, file: str = "<text>") -> Loaded:
 def findings_of_text(text: str, file: str = "<text>") -> list[Finding]:
     """The problems of a machine file, without the lines; empty if it is valid. Raises ConfigError
     for a text that is not TOML."""
-    return _checked(text, file)[1]
+    return _checked(text, file, {})[1]
 
 
-def _machine(text: str, file: str) -> Loaded:
-    machine, findings, origins = _checked(text, file)
+def _machine(text: str, file: str, changes: Mapping[str, object]) -> Loaded:
+    machine, findings, origins = _checked(text, file, changes)
     if findings or machine is None:
-        raise ConfigError(_problems(findings, origins))
-    return Loaded(machine, tuple(_problems(question_gains(machine), origins)), origins)
+        raise ConfigError(problems_of(findings, origins))
+    return Loaded(machine, tuple(problems_of(question_gains(machine), origins)), origins)
 
 
-def _checked(text: str, file: str) -> tuple[MachineConfig | None, list[Finding], Origins]:
+def _checked(
+    text: str, file: str, changes: Mapping[str, object]
+) -> tuple[MachineConfig | None, list[Finding], Origins]:
     """The machine, None if its model is wrong, with all findings. Raises ConfigError for a text
     that is not TOML, and for integers that TOML does not allow."""
-    try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        place = _SYNTAX_PLACE.match(str(error))
-        message, line = (place[1], place[2]) if place else (str(error), None)
-        at = int(line) if line else text.rstrip("\n").count("\n") + 1
-        message += _odd_character(text.splitlines()[at - 1 : at])
-        raise ConfigError.of("config.syntax", file, at, value=message) from None
-    except ValueError:  # a number exceeds Python's limit of decimal digits
-        reason = "an integer has too many digits"
-        raise ConfigError.of("config.syntax", file, value=reason) from None
-    if beyond := [*_beyond_64_bits(data)]:
-        raise ConfigError(_problems(beyond, Origins(file, text)))
+    data = parsed(text, file)
+    if wrong := [*put_changes(data, changes)]:
+        return None, wrong, Origins(file, text)
     folder = FilePath(file).parent
     sources: list[Source] = []
     findings = [*put_boards(data, folder, sources), *put_sensor_names(data)]
@@ -203,6 +207,25 @@ def _checked(text: str, file: str) -> tuple[MachineConfig | None, list[Finding],
     return machine, findings, Origins(file, text, tuple(sources))
 
 
+def parsed(text: str, file: str) -> dict[str, Any]:
+    """The content of a TOML text; `file` names it in messages. Raises ConfigError for a text that
+    is not TOML, and for integers that TOML does not allow."""
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        place = _SYNTAX_PLACE.match(str(error))
+        message, line = (place[1], place[2]) if place else (str(error), None)
+        at = int(line) if line else text.rstrip("\n").count("\n") + 1
+        message += _odd_character(text.splitlines()[at - 1 : at])
+        raise ConfigError.of("config.syntax", file, at, value=message) from None
+    except ValueError:  # a number exceeds Python's limit of decimal digits
+        reason = "an integer has too many digits"
+        raise ConfigError.of("config.syntax", file, value=reason) from None
+    if beyond := [*_beyond_64_bits(data)]:
+        raise ConfigError(problems_of(beyond, Origins(file, text)))
+    return data
+
+
 def _odd_character(lines: list[str]) -> str:
     """The non-ASCII character in a line that a word processor has inserted for an ASCII one."""
     for line in lines:
@@ -228,7 +251,7 @@ def _beyond_64_bits(value: object, path: Path = ()) -> Iterator[Finding]:
         yield Finding("config.value", path, size, "an integer of at most 64 bits")
 
 
-def _problems(findings: Iterable[Finding], origins: Origins) -> list[Problem]:
+def problems_of(findings: Iterable[Finding], origins: Origins) -> list[Problem]:
     """The findings as problems, in the order of lines; one for each path."""
     problems: dict[tuple[object, ...], Problem] = {}
     for finding in findings:

@@ -129,6 +129,8 @@ def _range_of(annotation: Any, own: dict[str, Any]) -> str:
         return f"by name: {_range_of(get_args(kind)[1], {})}"
     if kind is bool:
         return "`true`, `false`"
+    if kind is Any:
+        return "value"
     if kind is str:
         pattern = limits.get("pattern")
         return "pin" if pattern == PIN else PATTERNS.get(str(pattern), "text")

@@ -31,6 +31,7 @@ _EXPECTED: dict[str, Callable[[dict[str, Any]], str]] = {
     "less_than_equal": lambda ctx: f"a number of at most {ctx['le']:.12g}",
     "literal_error": lambda ctx: f"one of {ctx['expected']}",
     "string_pattern_mismatch": lambda ctx: PATTERNS[ctx["pattern"]],
+    "value_error": lambda ctx: str(ctx["error"]),
     "too_short": lambda ctx: f"at least {ctx['min_length']} elements",
     "too_long": lambda ctx: f"at most {ctx['max_length']} elements",
 }
@@ -79,10 +80,10 @@ def _below(place: Any, part: str | int) -> Any:
     return get_args(member)[-1] if get_origin(member) in (dict, list) else None
 
 
-def _place(path: Path) -> tuple[Path, Any]:
+def _place(path: Path, root: type[BaseModel]) -> tuple[Path, Any]:
     """The path in the file and its type. In pydantic's path, a table that may be one of several
     models has its kind after the key."""
-    place: Any = MachineConfig
+    place: Any = root
     written: list[str | int] = []
     for part in path:
         kinds = _kinds(place)
@@ -121,7 +122,7 @@ def _hint_of(key: str, known: Iterable[str], model: Any) -> str:
     hint = did_you_mean(key, known)
     if hint.startswith("Did") or not known:
         return hint
-    if model is not MachineConfig:
+    if model is not MachineConfig:  # other tables have few keys
         return f"Known here: {', '.join(sorted(known))}"
     tables = [name for name in known if not _is_plain(MachineConfig.model_fields[name].annotation)]
     return f"Known tables: {', '.join(f'[{name}]' for name in sorted(tables))}"
@@ -132,10 +133,10 @@ def _is_plain(place: Any) -> bool:
     return _one(place) is str or get_origin(_one(place)) is Literal
 
 
-def _finding(error: ErrorDetails) -> Finding:
+def _finding(error: ErrorDetails, root: type[BaseModel]) -> Finding:
     kind, context, value = error["type"], error.get("ctx", {}), error["input"]
-    model, key = _one(_place(error["loc"][:-1])[1]), str(error["loc"][-1])
-    path, place = _place(error["loc"])
+    model, key = _one(_place(error["loc"][:-1], root)[1]), str(error["loc"][-1])
+    path, place = _place(error["loc"], root)
     if kind == "extra_forbidden":
         known = model.model_fields if _is_model(model) else ()
         return Finding("config.unknown-key", path, value, "", _hint_of(key, known, model))
@@ -156,9 +157,11 @@ def _finding(error: ErrorDetails) -> Finding:
     return Finding("config.value", path, value, expected(error), hint, nearest=nearest)
 
 
-def model_findings(error: ValidationError) -> Iterator[Finding]:
-    """One finding for each error of the models."""
+def model_findings(
+    error: ValidationError, root: type[BaseModel] = MachineConfig
+) -> Iterator[Finding]:
+    """One finding for each error of the models; `root` is the model of the whole file."""
     for detail in error.errors(include_url=False):
         # If a default depends on wrong keys, only those keys are reported.
         if detail["type"] != "default_factory_not_called":
-            yield _finding(detail)
+            yield _finding(detail, root)
