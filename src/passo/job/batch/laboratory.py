@@ -89,6 +89,18 @@ def run_laboratory(
     return found
 
 
+def measure(
+    machine: MachineConfig, path: str | os.PathLike[str], policy: Policy
+) -> tuple[Trial, list[str]]:
+    """The trial of one machine as it is, with its own filters, in two prints: on tune and off tune.
+    Also returns the warnings of the print. Raises InputError and MachineError."""
+    policy = replace(policy, motion_only=True)
+    (on_tune, warnings), (off_tune, _) = (
+        _printed(each, path, policy, None) for each in _pair(machine)
+    )
+    return Trial.of(machine.name, on_tune, off_tune), warnings
+
+
 def _pair(machine: MachineConfig) -> tuple[MachineConfig, MachineConfig]:
     """The machine, and the same one with masses that vibrate slower."""
     masses = simulated_masses(machine.geometry.kind, machine.simulated.masses)
