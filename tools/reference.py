@@ -13,6 +13,7 @@ from tools.references import (
     machine_file,
     page_types,
     protocol,
+    study_file,
 )
 
 from passo.config import sensor_names
@@ -34,6 +35,7 @@ PAGES = {
     "machine-file.md": machine_file.reference,
     "protocol.md": protocol.reference,
     "sensors.md": sensor_names.reference,
+    "study-file.md": study_file.reference,
     "../../src/passo/web/client.pyi": client_stub.stub,
     "../../web-ui/src/api/schema.ts": page_types.page_types,
 }

@@ -44,18 +44,25 @@ def reference() -> str:
         if heading.startswith("`[boards."):
             continue
         parts.append(f"## {heading}\n\n{text}\n")
-        rows = [f"| `{k.name}` | {k.unit} | {k.range} | {k.default} | {k.help} |" for k in keys]
-        parts.append("| key | unit | range | default | what it is |\n|---|---|---|---|---|")
-        parts.append("\n".join(rows) + "\n")
+        parts.append(rows_of(keys) + "\n")
     return "\n".join(parts)
 
 
 def tables() -> Iterator[Table]:
-    """All tables, each before those within it."""
-    yield from _tables(MachineConfig, "")
+    """All tables of the machine file, each before those within it."""
+    yield from tables_of(MachineConfig)
 
 
-def _tables(model: type[BaseModel], path: str) -> Iterator[Table]:
+def rows_of(keys: list[Key]) -> str:
+    """The keys of a table, as a table of Markdown."""
+    rows = [f"| `{k.name}` | {k.unit} | {k.range} | {k.default} | {k.help} |" for k in keys]
+    return "\n".join(
+        ["| key | unit | range | default | what it is |\n|---|---|---|---|---|", *rows]
+    )
+
+
+def tables_of(model: type[BaseModel], path: str = "") -> Iterator[Table]:
+    """All tables of the files of a model, each before those within it."""
     keys = [
         key_of(model, name)
         for name, field in model.model_fields.items()
@@ -68,7 +75,7 @@ def _tables(model: type[BaseModel], path: str) -> Iterator[Table]:
     yield Table(heading, text, keys)
     for name, field in model.model_fields.items():
         for inner in models_of(field.annotation):
-            yield from _tables(inner, _path(path, name, field.annotation))
+            yield from tables_of(inner, _path(path, name, field.annotation))
 
 
 def _path(path: str, name: str, annotation: Any) -> str:

@@ -28,6 +28,7 @@ from passo.catalogue.macro import MACRO
 from passo.catalogue.probe import PROBE
 from passo.catalogue.resonance import RESONANCE
 from passo.catalogue.settings import SETTINGS
+from passo.catalogue.study import STUDY
 from passo.catalogue.web import WEB
 
 __all__ = ["CATALOGUE", "Entry", "ExitStatus", "codes_of"]
@@ -53,6 +54,7 @@ CATALOGUE: Mapping[str, Entry] = {
     **FIRMWARE,
     **LEVELLING,
     **RESONANCE,
+    **STUDY,
 }
 
 

@@ -32,6 +32,7 @@ COMMANDS: dict[str, str] = {
     "explain": "show what one line of a file becomes: plan, steps, bytes",
     "report": "write one page with pictures: path, speeds, temperatures, limits",
     "lab": "print a file under several settings of the motion, and compare ringing and lines",
+    "batch": "compute many files on many machines under many settings, as a table",
     "calibrate": "find a thermistor's β from what a thermometer says",
     "machines": "list the machines that come with Passo",
     "firmware": "list boards, build and flash their firmware",

@@ -1,0 +1,103 @@
+"""The cases of a study: one file on one machine under one setting, each with an id by content."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import pickle
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import passo
+from passo import _core
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+    from passo.study.study_file import Options, What
+
+
+class Order(NamedTuple):
+    """What is computed of a file, and what a file may do in place of a failure. Picklable."""
+
+    what: What
+    options: Options
+
+
+class Content(NamedTuple):
+    """A file: its path on this computer, its size in bytes, and the hash of its content, which is
+    empty if the file cannot be read."""
+
+    path: str
+    size: int
+    sha256: str
+
+
+class Work(NamedTuple):
+    """One case for a worker: its id, its file, and the digest of its machine. Picklable."""
+
+    id: str
+    file: Content
+    machine: str
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One row of a study. `file` and `machine` are the names of the study. A setting that the
+    machine file refuses has no `work`, but its `result`."""
+
+    file: str
+    machine: str
+    setting: Mapping[str, Any]
+    id: str
+    work: Work | None
+    result: Mapping[str, Any] = field(default_factory=dict[str, Any])
+
+
+class Machines:
+    """The pickled machines of a study by their digest. The digest is that of all values, so that
+    two settings that make the same machine are one."""
+
+    def __init__(self) -> None:
+        self.pickled: dict[str, bytes] = {}
+
+    def add(self, machine: MachineConfig) -> str:
+        """Keeps the machine, and returns its digest."""
+        digest = _hash(machine.model_dump_json())
+        if digest not in self.pickled:
+            self.pickled[digest] = pickle.dumps(machine)
+        return digest
+
+
+def case_id(sha256: str, machine: str, order: Order) -> str:
+    """The id of a case: equal ids have equal results. It covers the content of the file, the values
+    of the machine, the options, and the program with its core."""
+    options = order.options.model_dump(mode="json")
+    return _hash(json.dumps([sha256, machine, program_digest(), order.what, options]))
+
+
+def content_of(path: Path) -> Content:
+    """The size and hash of a file; a file that cannot be read has none."""
+    try:
+        with path.open("rb") as file:
+            digest = hashlib.file_digest(file, "sha256").hexdigest()
+            return Content(str(path), file.tell(), digest)
+    except OSError:
+        return Content(str(path), 0, "")
+
+
+@cache
+def program_digest() -> str:
+    """The version of Passo, with the hash of its Python files and of its core."""
+    root = Path(passo.__file__).parent
+    digest = hashlib.sha256(Path(_core.__file__).read_bytes())
+    for path in sorted(root.rglob("*.py")):
+        digest.update(path.relative_to(root).as_posix().encode())
+        digest.update(path.read_bytes())
+    return f"{passo.__version__}+{digest.hexdigest()[:32]}"
+
+
+def _hash(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()[:32]
