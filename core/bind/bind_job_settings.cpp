@@ -170,6 +170,24 @@ void bind_job_settings(nb::module_& m, JobClass& job) {
           "M221, a factor above 0, for all moves after this clock, planned or not yet read. "
           "Returns the clock of the cut.")
       .def_prop_ro(
+          "width_factors",
+          [](FilamentPart& self) {
+            std::vector<double> factors;
+            for (size_t i = 0; i < self.job.motion.machine().extruders.size(); ++i)
+              factors.push_back(self.job.interpreter.width_factor(i));
+            return factors;
+          },
+          "The factor of the measured width of each filament.")
+      .def(
+          "scale_width_from",
+          [](FilamentPart& self, double ticks, size_t extruder, double width) {
+            check_flow(self, extruder, width);
+            return self.job.scale_width_from(ticks, extruder, width);
+          },
+          "ticks"_a, "extruder"_a, "width"_a,
+          "The factor of the measured width of the filament, above 0, like scale_flow_from. The "
+          "flow is the product of this factor and that of M221.")
+      .def_prop_ro(
           "diameters",
           [](FilamentPart& self) -> std::optional<std::vector<double>> {
             const Interpreter& i = self.job.interpreter;

@@ -197,9 +197,13 @@ class Interpreter {
     const double r = 0.5 * diameter_[active_];
     return flow / (kPi * r * r);
   }
-  // Flow factor of M221.
-  double flow(size_t extruder) const { return filament_[extruder].flow; }
-  void set_flow(size_t extruder, double flow) { filament_[extruder].flow = flow; }
+  // Flow factor of M221, and that of the measured width.
+  double flow(size_t extruder) const { return filament_[extruder].asked; }
+  double width_factor(size_t extruder) const { return filament_[extruder].width; }
+  void set_flow(size_t extruder, double flow) { set_factors(filament_[extruder], flow, 0); }
+  void set_width_factor(size_t extruder, double width) {
+    set_factors(filament_[extruder], 0, width);
+  }
   // Applies `change`, which has already changed the planned moves, to moves that are read but not
   // taken.
   void change_flow(size_t extruder, FlowChange& change);
@@ -519,6 +523,13 @@ class Interpreter {
   int tool_position(double* at) const;
   bool lays_filament() const;
   void queue_offset(const double* to, double feed);
+
+  // Sets the factors that are above 0.
+  static void set_factors(Filament& filament, double asked, double width) {
+    if (asked > 0) filament.asked = asked;
+    if (width > 0) filament.width = width;
+    filament.flow = filament.asked * filament.width;
+  }
 
   // interpreter_filament.cpp: retraction, filament changes, flow
   bool run_filament(int code, const Arguments& a);

@@ -109,7 +109,6 @@ double Interpreter::meant_mm() const {
 void Interpreter::change_flow(size_t extruder, FlowChange& change) {
   Filament& filament = filament_[extruder];
   double from = extruder_[extruder], owed = filament.owed;
-  filament.flow = change.flow();
   filament.owed = change.owed(owed);
   if (owed > 0) filament.scale *= filament.owed / owed;
   extruder_[extruder] = change.position(from);

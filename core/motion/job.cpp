@@ -160,15 +160,31 @@ void Job::absorb_shift(int j, double mm) {
   motion.shift_suspended(j, -mm);
 }
 
-double Job::scale_flow_from(double ticks, size_t extruder, double flow) {
+double Job::change_flow_from(double ticks, size_t extruder, const FlowChange& change) {
   if (suspended_) {
-    FlowChange change(flow);
-    motion.change_suspended_flow(extruder, change);
-    suspended_->change_flow(extruder, change);
+    FlowChange suspended = change;
+    motion.change_suspended_flow(extruder, suspended);
+    suspended_->change_flow(extruder, suspended);
   }
-  FlowChange change(flow);
-  double cut = motion.change_flow_from(ticks, extruder, change);
-  interpreter.change_flow(extruder, change);
+  FlowChange planned = change;
+  double cut = motion.change_flow_from(ticks, extruder, planned);
+  interpreter.change_flow(extruder, planned);
+  return cut;
+}
+
+double Job::scale_flow_from(double ticks, size_t extruder, double flow) {
+  FlowChange change(flow * interpreter.width_factor(extruder));
+  double cut = change_flow_from(ticks, extruder, change);
+  if (suspended_) suspended_->set_flow(extruder, flow);
+  interpreter.set_flow(extruder, flow);
+  return cut;
+}
+
+double Job::scale_width_from(double ticks, size_t extruder, double width) {
+  FlowChange change = FlowChange::by(width / interpreter.width_factor(extruder));
+  double cut = change_flow_from(ticks, extruder, change);
+  if (suspended_) suspended_->set_width_factor(extruder, width);
+  interpreter.set_width_factor(extruder, width);
   return cut;
 }
 

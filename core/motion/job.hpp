@@ -90,6 +90,8 @@ class Job {
   // Changes the flow factor of an extruder (M221) from `ticks` on, in planned, held, suspended and
   // unread moves. The program's E stays. Returns the clock of the cut.
   double scale_flow_from(double ticks, size_t extruder, double flow);
+  // The same for the factor of the measured width, which M221 does not change.
+  double scale_width_from(double ticks, size_t extruder, double width);
 
   // Copies the state of a program from another job of the same machine, which has read the program
   // up to the machine's position.
@@ -101,6 +103,8 @@ class Job {
  private:
   double (*cpu_clock_)();
   std::optional<Interpreter> suspended_;
+  // Applies a change of the flow to planned and read moves, also to those of a suspended job.
+  double change_flow_from(double ticks, size_t extruder, const FlowChange& change);
   std::shared_ptr<const HeightMap> bed_;  // as set, without the offset of the tool
   std::array<double, 2> map_offset_{};    // offset of the tool that the plan's map is for
   std::vector<MoveRequest> batch_;

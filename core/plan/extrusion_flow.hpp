@@ -1,5 +1,6 @@
-// How filament follows the program's E: the flow (M221) of an extruder, the filament that a
-// retraction still has to give back, and a change of the flow in moves that are planned already.
+// How filament follows the program's E: the flow of an extruder (M221, times the factor of its
+// measured width), the filament that a retraction still has to give back, and a change of the flow
+// in moves that are planned already.
 #pragma once
 #include <algorithm>
 
@@ -16,7 +17,9 @@ inline double owed_after(double owed, double mm) {
 // For one extruder. A retraction is returned with the same length even if the flow has changed, so
 // it leaves neither a gap nor a blob.
 struct Filament {
-  double flow = 1;   // mm that move for a mm that the program means
+  double asked = 1;  // M221
+  double width = 1;  // factor of the measured width
+  double flow = 1;   // mm that move for a mm that the program means: the product of both
   double owed = 0;   // mm that the program has drawn back
   double scale = 1;  // mm drawn back for a unit of the program's E
 
@@ -34,13 +37,17 @@ struct Filament {
   }
 };
 
-// Changes the flow of an extruder within a plan. Moves go through `apply` in their order; positions
-// after them go through `position`.
+// Changes the flow of an extruder within a plan: to the same value in all moves, or by the same
+// factor. Moves go through `apply` in their order; positions after them go through `position`.
 class FlowChange {
  public:
   explicit FlowChange(double flow) : flow_(flow) {}
+  static FlowChange by(double factor) {
+    FlowChange change(factor);
+    change.relative_ = true;
+    return change;
+  }
 
-  double flow() const { return flow_; }
   // The new position of filament that was planned to be at `at` after the moves changed so far.
   double position(double at) const { return at == old_ ? new_ : at + (new_ - old_); }
   // The filament in mm that is still drawn back there; `owed` before the change.
@@ -58,17 +65,18 @@ class FlowChange {
 
  private:
   double flow_;
+  bool relative_ = false;
   double old_ = 0, new_ = 0;  // end of the last move, before and after the change
   bool begun_ = false;
   double owed_ = 0;  // after it
 
   double scaled(double mm, double& flow, double& owed) {
     if (flow == 0) return mm;
-    double before = owed, ratio = flow_ / flow;
+    double before = owed, after = relative_ ? flow * flow_ : flow_, ratio = after / flow;
     if (!begun_ || before == 0) owed_ = before;
     begun_ = true;
     owed = owed_;
-    flow = flow_;
+    flow = after;
     double length = mm;
     if (mm < 0) {
       length = mm * ratio;

@@ -2595,6 +2595,15 @@ class JobFilament:
         """
 
     @property
+    def width_factors(self) -> list[float]:
+        """The factor of the measured width of each filament."""
+
+    def scale_width_from(self, ticks: float, extruder: int, width: float) -> float:
+        """
+        The factor of the measured width of the filament, above 0, like scale_flow_from. The flow is the product of this factor and that of M221.
+        """
+
+    @property
     def diameters(self) -> list[float] | None:
         """
         The filament diameter of each extruder in mm if E is a volume (M200); otherwise None.

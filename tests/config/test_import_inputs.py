@@ -4,12 +4,14 @@ from pathlib import Path
 
 import pytest
 from tests.config.test_import_klipper import BASE
+from tests.support.filament_printer import with_inputs
 from tests.support.import_remarks import remarks
 
 from passo import config
 from passo.config.exporting.klipper import sections_of
 from passo.config.importing.formats import imported
 from passo.config.inputs import FilamentSensor
+from passo.errors import ConfigError
 
 
 @pytest.fixture
@@ -121,3 +123,53 @@ def test_analog_button_that_cannot_work_is_left_out(load, pin, ohm, more, proble
     draft, machine = load(up + down + more)
     assert list(machine.buttons) == ["up"]
     assert problem in "\n".join(remarks(draft, "decide"))
+
+
+HALL = """[hall_filament_width_sensor]
+adc1: PC0
+adc2: PA4
+Cal_dia1: 1.48
+Raw_dia1: 9000
+default_nominal_filament_diameter: 1.75
+measurement_delay: 70
+enable: True
+pause_on_runout: False
+runout_gcode: M117 out
+"""
+
+
+def test_hall_sensor_of_the_width_becomes_a_sensor(load):
+    draft, machine = load(HALL)
+    sensor = machine.filament_sensors["hall_filament_width_sensor"]
+    assert (sensor.kind, sensor.pin, sensor.on_runout) == ("width", "PC0", "none")
+    assert sensor.width is not None
+    assert sensor.width.second_pin == "PA4"
+    assert (sensor.width.readings, sensor.width.diameters_mm) == ([9000, 10500], [1.48, 2.0])
+    assert (sensor.width.distance_mm, sensor.width.interval_mm) == (70, 10)
+    assert sensor.width.diameter_mm(9500) == pytest.approx(1.48 + 0.52 / 3)
+    assert not [r for r in draft.remarks if "hall" in r.what]
+    shown = sections_of(machine)["hall_filament_width_sensor"]
+    assert (shown["adc2"], shown["raw_dia1"], shown["enable"]) == ("PA4", "9000", "True")
+
+
+def test_linear_sensor_of_the_width_has_5_mm_at_full_scale(load):
+    text = "[tsl1401cl_filament_width_sensor]\npin: PC0\nmax_difference: 0.3\n"
+    keys = "default_nominal_filament_diameter: 2.85\nmeasurement_delay: 100\n"
+    _, machine = load(text + keys)
+    width = machine.filament_sensors["tsl1401cl_filament_width_sensor"].width
+    assert width is not None
+    assert (width.diameter_mm(5700), width.reading(2.85)) == (2.85, 5700)
+    assert (width.nominal_mm, width.max_difference_mm) == (2.85, 0.3)
+    assert sections_of(machine)["tsl1401cl_filament_width_sensor"]["pin"] == "PC0"
+
+
+def test_width_sensor_needs_its_measurement():
+    table = '[filament_sensors.w]\nkind = "width"\npin = "A11"\n'
+    with pytest.raises(ConfigError, match="both kind"):
+        with_inputs(table)
+    width = "[filament_sensors.{}.width]\ndistance_mm = 9.0\n"
+    with pytest.raises(ConfigError, match="two different values"):
+        with_inputs(table + width.format("w") + "readings = [1, 1]\n")
+    other = table.replace(".w]", ".v]").replace("A11", "A12")
+    with pytest.raises(ConfigError, match="at most one sensor of the width"):
+        with_inputs(table + width.format("w") + other + width.format("v"))

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from passo.config.filament_width import FilamentWidth
 from passo.config.findings import Finding, array, did_you_mean, table, tables
 from passo.config.types import ExtruderName, Model, PartName, Pin
 
@@ -21,13 +22,18 @@ class FilamentSensor(Model):
 
     pin: Pin
     """The input. It is high while there is filament; `!` in front: it is low. `^` in front switches
-    a pull-up on. The input of a motion sensor changes its level as the filament moves."""
-    kind: Literal["switch", "motion"] = "switch"
+    a pull-up on. The input of a motion sensor changes its level as the filament moves. That of a
+    width sensor is an analog input."""
+    kind: Literal["switch", "motion", "width"] = "switch"
     """A switch reports whether there is filament. The wheel of a motion sensor gives pulses while
-    the filament moves, and also reports filament that is stuck."""
+    the filament moves, and also reports filament that is stuck. A width sensor measures the
+    diameter of the filament, and corrects the flow."""
+    width: FilamentWidth | None = None
+    """How a width sensor measures."""
     extruder: ExtruderName | None = None
     """The extruder of the filament. The sensor acts only while a tool with this extruder is in use.
-    If not given, it acts for every tool; a motion sensor then belongs to the first extruder."""
+    If not given, it acts for every tool; a motion or width sensor then belongs to the first
+    extruder."""
     length_mm: Annotated[float, Field(gt=0, le=1000)] = 7.0
     """Of a motion sensor: when the extruder has pushed this length since the last pulse, the
     filament has ended or is stuck."""
@@ -92,6 +98,16 @@ def sensor_input(name: str) -> str:
     return f"filament-{name}"
 
 
+def width_inputs(name: str, sensor: FilamentSensor) -> dict[str, str]:
+    """The analog inputs of a width sensor and their pins, as written; none for other sensors."""
+    if sensor.width is None:
+        return {}
+    second = sensor.width.second_pin
+    return {sensor_input(name): sensor.pin} | (
+        {f"{sensor_input(name)}-2": second} if second else {}
+    )
+
+
 def button_input(name: str) -> str:
     """The name of a button's input on its board."""
     return f"button-{name}"
@@ -105,15 +121,33 @@ def analog_input(pin: str) -> str:
 def check_inputs(data: Mapping[str, Any]) -> Iterator[Finding]:
     """Checks that the extruders of filament sensors exist, and the ranges of analog buttons."""
     yield from _check_analog(data)
-    extruders = table(data, "extruders")
+    extruders, measuring = table(data, "extruders"), ""
     for name, sensor in tables(data, "filament_sensors"):
+        yield from _check_width(name, sensor, measuring)
+        measuring = measuring or (name if "width" in sensor else "")
         path = ("filament_sensors", name, "extruder")
         wanted = sensor.get("extruder")
         if wanted is not None and wanted not in extruders:
             limit = "one of the extruders"
             yield Finding("config.value", path, wanted, limit, did_you_mean(wanted, extruders))
-        if wanted is None and sensor.get("kind") == "motion" and not extruders:
+        if wanted is None and sensor.get("kind") in ("motion", "width") and not extruders:
             yield Finding("config.missing-key", path, None, "a machine with an extruder")
+
+
+def _check_width(name: str, sensor: Mapping[str, Any], other: str) -> Iterator[Finding]:
+    """Checks that a width sensor, and no other one, has a table of its measurement with two
+    readings and two diameters, and that it is the only one; `other` is the name of another one."""
+    path, width = ("filament_sensors", name, "width"), table(sensor, "width")
+    if ("width" in sensor) != (sensor.get("kind") == "width"):
+        yield Finding("config.conflict", path, None, 'both kind = "width" and this table, or none')
+    if "width" in sensor and other:
+        owner = ("filament_sensors", other, "width")
+        limit = "at most one sensor of the width; the other one is"
+        yield Finding("config.conflict", path, None, limit, owner=owner)
+    for key in ("readings", "diameters_mm"):
+        pair = array(width, key)
+        if len(pair) == 2 and pair[0] == pair[1]:
+            yield Finding("config.value", (*path, key), pair, "two different values")
 
 
 def _check_analog(data: Mapping[str, Any]) -> Iterator[Finding]:

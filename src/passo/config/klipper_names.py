@@ -57,6 +57,9 @@ def light_object(machine: MachineConfig, name: str) -> str:
 
 def sensor_object(machine: MachineConfig, name: str) -> str:
     """Klipper's name for a filament sensor."""
+    if (width := machine.filament_sensors[name].width) is not None:
+        kind = "tsl1401cl" if width.second_pin is None else "hall"
+        return f"{kind}_filament_width_sensor"
     return f"filament_{machine.filament_sensors[name].kind}_sensor {name}"
 
 

@@ -324,7 +324,11 @@ class MachineConfig(Model):
     @property
     def input_pins(self) -> dict[str, str]:
         """The pins, as written, of the inputs that boards report, by the names of the inputs."""
-        sensors = {sensor_input(name): part.pin for name, part in self.filament_sensors.items()}
+        sensors = {
+            sensor_input(name): part.pin
+            for name, part in self.filament_sensors.items()
+            if part.width is None
+        }
         return sensors | {button_input(name): part.pin for name, part in self.buttons.items()}
 
     @property

@@ -148,8 +148,11 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
         yield from _claim((part, "pin"), table(data, part).get("pin"))
     for part in ("filament_sensors", "buttons"):
         for name, content in tables(data, part):
-            need = "analog" if "resistance_ohm" in content else "switch"
+            analog = "resistance_ohm" in content or content.get("kind") == "width"
+            need = "analog" if analog else "switch"
             yield from _claim((part, name, "pin"), content.get("pin"), need)
+            second = table(content, "width").get("second_pin")
+            yield from _claim((part, name, "width", "second_pin"), second, "analog")
 
 
 def _board(data: Raw, name: str) -> Raw:

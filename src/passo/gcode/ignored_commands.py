@@ -55,7 +55,10 @@ _declare(
     ("M250", "Passo has no display yet."),
     ("M281", "The machine file sets the angles of the servo of a probe."),
     ("M351", "The machine file sets microsteps."),
-    ("M404 M405 M406 M407 M512 M604", "Passo has no filament width sensor yet."),
+    (
+        "M512 M604",
+        "M591 reports filament sensors; the machine file has their lengths.",
+    ),
     ("M428", "M206 sets home offsets."),
     ("M595", "The machine file sets the values of amplifiers."),
     ("M605", "Passo has one carriage for all tools."),

@@ -61,7 +61,7 @@ from passo.printer.commands import (
     user_prompts,
     z_motors,
 )
-from passo.printer.inputs import filament_sensors, input_commands
+from passo.printer.inputs import filament_sensors, filament_widths, input_commands
 from passo.printer.watch import endstops
 
 MODULES = (
@@ -105,5 +105,5 @@ MODULES = (
         tuning_tower,
     ),
     user_prompts,
-    *(endstops, delayed_gcode, filament_sensors, input_commands, macros),
+    *(endstops, delayed_gcode, filament_sensors, filament_widths, input_commands, macros),
 )

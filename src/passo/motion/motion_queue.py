@@ -191,14 +191,14 @@ class MotionQueue:
 
     def replan(self) -> None:
         """Replans the moves that the board does not have yet, by the current limits."""
-        self._job.plan.replan_from(self._earliest())
+        self._job.plan.replan_from(self.first_changeable)
         self._replanned()
 
     def shift(self, axis: int, mm: float) -> bool:
         """Offsets all moves that the board does not have yet along an axis, by `mm`. Returns False
         if that is out of range; the error of the job has the reason."""
         self.before_moves()
-        if self._job.plan.shift_from(self._earliest(), axis, mm) is None:
+        if self._job.plan.shift_from(self.first_changeable, axis, mm) is None:
             return False
         self._replanned()
         return True
@@ -207,13 +207,19 @@ class MotionQueue:
         """Sets the flow factor of an extruder, for the moves that the board does not have yet and
         for all later ones."""
         self.before_moves()
-        self._job.filament.scale_flow_from(self._earliest(), extruder, factor)
+        self._job.filament.scale_flow_from(self.first_changeable, extruder, factor)
+        self._replanned()
+
+    def scale_width(self, extruder: int, factor: float) -> None:
+        """Like `scale_flow`, for the factor of the measured width of the filament."""
+        self.before_moves()
+        self._job.filament.scale_width_from(self.first_changeable, extruder, factor)
         self._replanned()
 
     def record_at_once(self, target: int, value: int) -> float:
         """Sets output number `target` at the earliest clock at which the board receives the command
         in time, or after the plan if the plan ends soon. Returns the clock."""
-        job, clock = self._job, self._earliest()
+        job, clock = self._job, self.first_changeable
         if job.plan.queued == 0 and job.clock <= self.now + SOON_S * self.hz:
             clock = max(clock, job.clock + 1)
         job.outputs.record_at(clock, target, value)
@@ -222,21 +228,21 @@ class MotionQueue:
 
     def skip_dwell(self) -> None:
         """Ends the current dwell at the earliest time that can still be changed."""
-        if self._job.plan.skip_dwell_from(self._earliest()) is not None:
+        if self._job.plan.skip_dwell_from(self.first_changeable) is not None:
             self._replanned()
 
     def hold(self) -> None:
         """Brakes to a stop on the path and suspends the rest of the plan. The laser is switched
         off."""
         self.before_moves()  # at standstill, the laser must not be switched off in the past
-        self._job.stops.hold_from(self._earliest())
+        self._job.stops.hold_from(self.first_changeable)
         self._replanned()
 
     def stop(self, *, program: bool = True) -> None:
         """Brakes to a stop on the path and discards the rest of the plan. With `program`, the
         retraction of the program is reset too. The laser is switched off."""
         self.before_moves()
-        self._job.stops.stop_from(self._earliest(), program)
+        self._job.stops.stop_from(self.first_changeable, program)
         self._replanned()
 
     def use_commits(self, on: bool) -> None:
@@ -269,7 +275,9 @@ class MotionQueue:
         self._job.stops.release()
         self.after_moves()
 
-    def _earliest(self) -> float:
+    @property
+    def first_changeable(self) -> float:
+        """The clock from which on the moves can still be changed."""
         return self.now + self.horizon_s * self.hz
 
     def _replanned(self) -> None:
@@ -419,7 +427,7 @@ class MotionQueue:
         # After many short moves, the stop is within the settled part.
         passed_by = job.clock > stop
         near = job.plan.queued > 0 and stop - now < TAKE_BACK_S * self.hz
-        if stop > self._earliest() and (passed_by or near):
+        if stop > self.first_changeable and (passed_by or near):
             self.replan()
         if job.plan.queued == 0:
             if self._dirty:

@@ -227,7 +227,7 @@ class Printer:
         self.levelling.manual_probe.reset()
         self.dispatch.reset()
         self.endstops.reset()
-        self.inputs.filament.reset()
+        self.inputs.reset()
         state.restarted()
         for line in lines:
             self.dispatch.take_setting(line, NullReply())

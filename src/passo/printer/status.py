@@ -50,11 +50,16 @@ class HeaterStatus:
 @dataclass(frozen=True, slots=True)
 class FilamentSensorStatus:
     """A filament sensor: whether it detects filament, whether it is enabled, and whether it
-    measures the motion of the filament."""
+    measures the motion of the filament. A width sensor has the diameter of the filament in it, its
+    `reading`, whether it measures, and the factor of the flow for the filament in the nozzle."""
 
     detected: bool
     enabled: bool
     moves: bool = False
+    diameter_mm: float | None = None
+    reading: float = 0.0
+    measures: bool = False
+    flow_factor: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)

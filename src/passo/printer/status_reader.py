@@ -83,7 +83,7 @@ class StatusReader:
             | self._outputs.lights.effects.shown,
             fan_targets_c=dict(rig.commands.fan_targets.targets_c),
             sensors=self._sensors.status(),
-            filament_sensors=self._inputs.filament.status(),
+            filament_sensors=self._inputs.filament_status(),
             buttons={n: self._inputs.buttons.pressed.get(n, False) for n in rig.machine.buttons},
             inputs=self._inputs.inputs.status(),
         )

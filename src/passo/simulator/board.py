@@ -75,6 +75,7 @@ class SimulatedBoard:
         self.accelerometers = list(self._add_accelerometers())
         self.led_chips = dict(self._add_lights())
         self.sensor_chips = dict(self._add_sensor_chips())
+        self.widths = {part.name: part for part in plant.widths}
         self.digipots = [
             _core.add_digipot(self.device, *(self._pins[bare(pin)] for pin in setting.spi.pins))
             for setting in board.settings
@@ -329,6 +330,13 @@ class SimulatedBoard:
         """The analog input has this reading, of full scale; None ends it."""
         pin = next(a.pin for a in self.board.analog_inputs if a.name == name)
         self.device.force_adc(self._pins[bare(pin)], -1.0 if share is None else share)
+
+    def force_width(self, name: str, diameter_mm: float | None) -> None:
+        """The filament in a width sensor has this diameter; None: the nominal one."""
+        part = self.widths[name]
+        share = None if diameter_mm is None else part.share(diameter_mm)
+        for entry in part.inputs:
+            self.force_reading(entry, share)
 
     def flicker(self, name: str) -> None:
         """A fault: the level of the input changes every 5 ms, until `force_input`."""

@@ -25,6 +25,7 @@ _INPUTS = {
     "filament": {"present": True, "out": False},
     "button": {"pressed": True, "released": False},
 }
+_WIDTH = (NO_FAULT, "out", "width")
 _CABLE = (NO_FAULT, "cut", "noise")
 _FAN = (NO_FAULT, "stalled", "silent")
 # The flags that a driver reports.
@@ -38,14 +39,20 @@ _SILENT = "silent"
 _BED = (NO_FAULT, "tilted")
 _TILT_MM = 1.0  # over the width of the bed
 _SENSOR_NOISE = 0.05  # maximum, as a fraction of the ADC's full scale, in both directions
+# The faults that may have an amount: its maximum, and its form in a message.
+_AMOUNTS = {
+    "noise": (1.0, " (or noise:SHARE, from 0 to 1)"),
+    "width": (5.0, " (as width:MM, from 0 to 5)"),
+}
 _CABLE_NOISE = 0.01  # fraction of all bytes
 
 
 class SimulatedFaults:
     """The faults of one simulated machine: see `board.fault_injection.FaultInjector`.
 
-    `noise` may have an amount, as in `noise:0.05`: for a sensor a fraction of the full scale of its
-    ADC, for a cable the fraction of corrupted bytes.
+    Some faults may have an amount: `noise`, as in `noise:0.05`, for a sensor a fraction of the full
+    scale of its ADC, for a cable the fraction of corrupted bytes; `width`, as in `width:1.70`, the
+    diameter of the filament in mm.
     """
 
     def __init__(self, machine: SimulatedMachine) -> None:
@@ -71,6 +78,8 @@ class SimulatedFaults:
             levels = _INPUTS[name.partition("-")[0]]
             values = (NO_FAULT, *levels, *([_FLICKERS] if name in digital else []))
             self._add(name, values, self._input_setter(name, levels))
+        for name in machine.widths:
+            self._add(name, _WIDTH, self._width_setter(name))
         for counter in board.counters:
             self._add(f"{counter.name}-fan", _FAN, self._fan_setter(counter.name))
         for driver in board.drivers:
@@ -107,10 +116,11 @@ class SimulatedFaults:
             limit = ", ".join(self._values)
             raise CommandError.of("command.no-fault", value=part or "''", limit=limit)
         fault, colon, text = value.partition(":")
-        amount = _share(text) if fault == "noise" and colon else None
+        most = _AMOUNTS.get(fault)
+        amount = _amount(text, most[0]) if most and colon else None
         if fault not in self._values[part] or (colon and amount is None):
-            noise = " (or noise:SHARE, from 0 to 1)" if "noise" in self._values[part] else ""
-            limit = ", ".join(self._values[part]) + noise
+            limit = ", ".join(self._values[part])
+            limit += "".join(_AMOUNTS[v][1] for v in self._values[part] if v in _AMOUNTS)
             raise CommandError.of("command.no-fault", value=f"{part}={value}", limit=limit)
         return fault, amount
 
@@ -151,6 +161,13 @@ class SimulatedFaults:
 
         return set_fault
 
+    def _width_setter(self, name: str) -> Callable[[str, float | None], None]:
+        def set_fault(fault: str, amount: float | None) -> None:
+            none = None if fault == NO_FAULT else 0.0
+            self._machine.force_width(name, amount if fault == "width" else none)
+
+        return set_fault
+
     def _fan_setter(self, counter: str) -> Callable[[str, float | None], None]:
         return lambda fault, _: self._machine.force_rotor(
             counter, stalled=fault == "stalled", silent=fault == "silent"
@@ -185,9 +202,9 @@ def _chip_setter(chip: SensorChip) -> Callable[[str, float | None], None]:
     return set_fault
 
 
-def _share(text: str) -> float | None:
+def _amount(text: str, most: float) -> float | None:
     try:
-        share = float(text)
+        amount = float(text)
     except ValueError:
         return None
-    return share if 0 <= share <= 1 else None
+    return amount if 0 <= amount <= most else None

@@ -50,6 +50,7 @@ class SimulatedMachine:
         self.drivers = {m: chip for b in boards.values() for m, chip in b.drivers.items()}
         self.stalls = {m: part for b in boards.values() for m, part in b.stalls.items()}
         self.sensor_chips = {n: c for b in boards.values() for n, c in b.sensor_chips.items()}
+        self.widths = {name: b for b in boards.values() for name in b.widths}
         self._distant: dict[SimulatedBoard, _core.Distant] = {}
         self._own: dict[tuple[str, str], SimulatedBoard] = {}
         for number, (name, board) in enumerate(boards.items()):
@@ -137,6 +138,10 @@ class SimulatedMachine:
     def force_reading(self, name: str, share: float | None) -> None:
         """The analog input has this reading, of full scale; None ends it."""
         self._of("analog_inputs", name).force_reading(name, share)
+
+    def force_width(self, name: str, diameter_mm: float | None) -> None:
+        """The filament in a width sensor has this diameter; None: the nominal one."""
+        self.widths[name].force_width(name, diameter_mm)
 
     def flicker(self, name: str) -> None:
         """A fault: the level of the input changes every 5 ms, until `force_input`."""

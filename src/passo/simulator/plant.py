@@ -64,6 +64,22 @@ class InputSwitch:
 
 
 @dataclass(frozen=True, slots=True)
+class FilamentInSensor:
+    """The filament in the width sensor `name`: each of the analog `inputs` reads the share
+    `at_0_mm` of full scale without filament, and `at_1_mm` at a diameter of 1 mm; it is linear."""
+
+    name: str
+    inputs: tuple[str, ...]
+    at_0_mm: float
+    at_1_mm: float
+
+    def share(self, diameter_mm: float) -> float:
+        """The reading at a diameter."""
+        share = self.at_0_mm + (self.at_1_mm - self.at_0_mm) * diameter_mm
+        return min(max(share, 0.0), 1.0)
+
+
+@dataclass(frozen=True, slots=True)
 class Body:
     """The mass that a heater heats: it tends to `ambient_c` + `rise_c` · power with
     `time_constant_s`; its sensor follows with `sensor_time_constant_s`. With the output `fan` at
@@ -171,6 +187,7 @@ class PlantDescription:
     actuators: tuple[Actuator, ...] = ()
     switches: tuple[Switch, ...] = ()
     inputs: tuple[InputSwitch, ...] = ()
+    widths: tuple[FilamentInSensor, ...] = ()
     stops: tuple[TravelStop, ...] = ()
     stall_pins: tuple[StallPin, ...] = ()
     bodies: tuple[Body, ...] = ()

@@ -337,11 +337,16 @@ export interface FaultStatus {
 }
 
 /** A filament sensor: whether it detects filament, whether it is enabled, and whether it measures
- * the motion of the filament. */
+ * the motion of the filament. A width sensor has the diameter of the filament in it, its
+ * `reading`, whether it measures, and the factor of the flow for the filament in the nozzle. */
 export interface FilamentSensorStatus {
   detected: boolean;
   enabled: boolean;
   moves: boolean;
+  diameter_mm?: number | null;
+  reading: number;
+  measures: boolean;
+  flow_factor: number;
 }
 
 /** Whether a filament sensor is enabled. */

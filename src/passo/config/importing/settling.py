@@ -46,7 +46,7 @@ _PARTS = (
             "number",
         ),
     ),
-    _Part(("filament_sensors", _ANY), ("pin", "kind", "extruder")),
+    _Part(("filament_sensors", _ANY), ("pin", "kind", "extruder", "width")),
     _Part(("buttons", _ANY), ("pin", "resistance_ohm", "pull_up_ohm")),
     _Part(("outputs", _ANY)),
     _Part(("lights", _ANY)),

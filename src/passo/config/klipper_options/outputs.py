@@ -27,14 +27,17 @@ _COLOUR: Options = tuple(
     number(f"initial_{name}", 0.0) for name in ("red", "green", "blue", "white")
 )
 _CHAIN: Options = (whole("chain_count", 1), *_COLOUR)
-_FILAMENT: Options = (
-    text("switch_pin"),
+_RUNOUT: Options = (
     flag("pause_on_runout", default=True),
     text("runout_gcode", ""),
     text("insert_gcode", ""),
     number("event_delay", 3.0),
     number("pause_delay", 0.5),
-    number("debounce_delay", 0.0),
+)
+_FILAMENT: Options = (text("switch_pin"), *_RUNOUT, number("debounce_delay", 0.0))
+_WIDTH: Options = (
+    number("default_nominal_filament_diameter"),
+    number("measurement_delay"),
 )
 
 OUTPUTS: Mapping[str, Options] = {
@@ -79,6 +82,22 @@ OUTPUTS: Mapping[str, Options] = {
         number("detection_length", 7.0),
         text("extruder"),
     ),
+    "hall_filament_width_sensor": (
+        text("adc1"),
+        text("adc2"),
+        *_WIDTH,
+        number("max_difference", 0.2),
+        whole("measurement_interval", 10),
+        *(number("cal_dia1", 1.5), number("cal_dia2", 2.0)),
+        *(whole("raw_dia1", 9500), whole("raw_dia2", 10500)),
+        number("min_diameter", 1.0),
+        number("max_diameter"),
+        *(flag("enable", default=False), flag("logging", default=False)),
+        flag("enable_flow_compensation", default=True),
+        flag("use_current_dia_while_delay", default=False),
+        *_RUNOUT,
+    ),
+    "tsl1401cl_filament_width_sensor": (text("pin"), *_WIDTH, number("max_difference")),
     "temperature_sensor": (
         *SENSOR,
         text("sensor_mcu"),

@@ -62,6 +62,8 @@ class FilamentSensors:
             self._listen(inputs, sensor)
 
     def _listen(self, inputs: Inputs, sensor: Sensor) -> None:
+        if sensor.config.width is not None:
+            return  # `FilamentWidths` detects its filament
         name = sensor_input(sensor.name)
         if sensor.moves:
             inputs.on_edges(name, lambda _: self._pulse(sensor))
@@ -69,7 +71,7 @@ class FilamentSensors:
             inputs.on_level(
                 name,
                 sensor.config.debounce_s,
-                lambda level, first: self._detect(sensor, level, first=first),
+                lambda level, first: self.detect(sensor, level, first=first),
             )
 
     # -- what the sensors detect ------------------------------------------------------------------
@@ -79,7 +81,7 @@ class FilamentSensors:
         extruders."""
         job, now = self._rig.job, self._rig.queue.passed
         wanted = sensor.config.extruder
-        if wanted is None and sensor.moves:
+        if wanted is None and sensor.config.kind != "switch":
             wanted = self._extruders[0]
         return sum(
             job.history.filament_at(now, i)
@@ -89,9 +91,10 @@ class FilamentSensors:
 
     def _pulse(self, sensor: Sensor) -> None:
         sensor.mm = self.pushed_mm(sensor)
-        self._detect(sensor, True, first=False)
+        self.detect(sensor, True, first=False)
 
-    def _detect(self, sensor: Sensor, level: bool, *, first: bool) -> None:
+    def detect(self, sensor: Sensor, level: bool, *, first: bool) -> None:
+        """A sensor detects filament, or not; `first`: its level was not known before."""
         if level == sensor.detected:
             return
         sensor.detected = level
@@ -131,7 +134,7 @@ class FilamentSensors:
 
     def _in_use(self, sensor: Sensor) -> bool:
         wanted = sensor.config.extruder
-        if wanted is None and not sensor.moves:
+        if wanted is None and sensor.config.kind == "switch":
             return True
         tool = self._rig.job.history.tool_at(self._rig.queue.passed)
         part = self._rig.machine.all_tools[self._rig.job.tool if tool is None else tool]

@@ -41,6 +41,15 @@ class Inputs:
             for name, level in connection.input_levels.items()
         }
 
+    @property
+    def shares(self) -> dict[str, float]:
+        """The last reading of each analog input, as a fraction of full scale."""
+        return {
+            name: share
+            for connection in self._rig.connection.connections
+            for name, share in connection.analog.shares.items()
+        }
+
     def status(self) -> dict[str, InputStatus]:
         """The inputs of the machine file for the status of the printer."""
         active = self.active
@@ -60,9 +69,9 @@ class Inputs:
 
     def time_passed(self) -> None:
         """Handles the reports of the boards. Call this often."""
-        if not (self._levels or self._edges):
-            return
         connection = self._rig.connection
+        if not (self._levels or self._edges or connection.board.analog_inputs):
+            return
         now_s = connection.now / connection.board.clock_hz
         for change in connection.input_changes():
             for watcher in self.watchers:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from passo.printer.status import Status
+    from passo.printer.status import FilamentSensorStatus, Status
 
 Object = dict[str, Any]
 
@@ -22,6 +22,15 @@ def webhooks(status: Status) -> Object:
         "state": "shutdown" if status.started else "error",
         "state_message": f"{message}\nRestart the printer with FIRMWARE_RESTART or M999",
     }
+
+
+def filament_sensor(sensor: FilamentSensorStatus) -> Object:
+    """A filament sensor; one of the width has its diameter, too."""
+    found: Object = {"filament_detected": sensor.detected, "enabled": sensor.enabled}
+    if sensor.diameter_mm is not None:
+        found |= {"Diameter": sensor.diameter_mm, "Raw": sensor.reading}
+        found |= {"is_active": sensor.measures}
+    return found
 
 
 def mcu(status: Status, name: str) -> Object:

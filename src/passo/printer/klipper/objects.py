@@ -39,7 +39,7 @@ from passo.printer.klipper.job import (
     print_stats,
     virtual_sdcard,
 )
-from passo.printer.klipper.machine import mcu, webhooks
+from passo.printer.klipper.machine import filament_sensor, mcu, webhooks
 from passo.printer.klipper.motion import (
     driver,
     gcode_move,
@@ -121,10 +121,7 @@ def objects(
         if (chip := chip_object(machine, name)) is not None:
             found[chip] = lambda name=name: i2c_sensor(status, name)
     for name, sensor in status.filament_sensors.items():
-        found[sensor_object(machine, name)] = lambda sensor=sensor: {
-            "filament_detected": sensor.detected,
-            "enabled": sensor.enabled,
-        }
+        found[sensor_object(machine, name)] = lambda sensor=sensor: filament_sensor(sensor)
     for name, pressed in status.buttons.items():
         found[f"gcode_button {name}"] = lambda pressed=pressed: {
             "state": "PRESSED" if pressed else "RELEASED"

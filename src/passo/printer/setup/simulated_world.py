@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from passo import _core
 from passo.board.description import BoardDescription
-from passo.config.inputs import button_input, sensor_input
+from passo.config.inputs import button_input, sensor_input, width_inputs
 from passo.config.pin_names import MAIN
 from passo.config.probing import PROBE, SERVO
 from passo.config.simulated_motion import simulated_masses
@@ -24,6 +24,7 @@ from passo.motion.endstops import (
     switches,
     weights_of,
 )
+from passo.printer.setup.board_inputs import width_share
 from passo.probes.base import SensingProbe
 
 if TYPE_CHECKING:
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
         Bed,
         BedProbe,
         Cable,
+        FilamentInSensor,
         InputSwitch,
         Lift,
         SimulatedBoard,
@@ -102,6 +104,7 @@ def simulated_board(
         ),
         probe=_bed_probe(machine) if PROBE in own else None,
         inputs=tuple(i for i in _input_switches(machine) if i.name in wired),
+        widths=tuple(_widths(machine, board)),
     )
     runs = "passo" if machine.all_boards[name].survives else "virtual"
     return SimulatedBoard(board, plant, firmware=runs)
@@ -122,6 +125,8 @@ def _input_switches(machine: MachineConfig) -> Iterator[InputSwitch]:
 
     motors = dict(zip(machine.extruders, motors_of_extruders(machine), strict=True))
     for name, part in machine.filament_sensors.items():
+        if part.width is not None:
+            continue
         motor = motors[part.extruder] if part.extruder else next(iter(motors.values()), None)
         weights = ((motor, 1.0),) if motor else ()
         edge_mm = part.length_mm / _EDGES if part.kind == "motion" else 0.0
@@ -130,6 +135,17 @@ def _input_switches(machine: MachineConfig) -> Iterator[InputSwitch]:
     for name, button in machine.buttons.items():
         if button.resistance_ohm is None:
             yield InputSwitch(button_input(name))
+
+
+def _widths(machine: MachineConfig, board: BoardDescription) -> Iterator[FilamentInSensor]:
+    from passo.simulator import FilamentInSensor
+
+    own = {entry.name for entry in board.analog_inputs}
+    for name, part in machine.filament_sensors.items():
+        inputs = tuple(width_inputs(name, part))
+        if inputs and own >= {*inputs}:
+            shares = width_share(part, 0.0), width_share(part, 1.0)
+            yield FilamentInSensor(sensor_input(name), inputs, *shares)
 
 
 def simulated_geometry(machine: MachineConfig) -> GeometryModel:

@@ -117,6 +117,8 @@ async def machine(call: Call) -> Machine:
 def _inputs(config: MachineConfig) -> dict[str, InputOfMachine]:
     found: dict[str, InputOfMachine] = {}
     for name, one in config.filament_sensors.items():
+        if one.kind == "width":  # on analog inputs
+            continue
         length_mm = one.length_mm if one.kind == "motion" else None
         found[sensor_input(name)] = InputOfMachine(one.kind, name, one.pin, length_mm)
     for name, button in config.buttons.items():
