@@ -42,9 +42,9 @@ inline bool wordless(const Word& w) {
   if (w.letter == 'G') return minor == 0 && (n == 12 || n == 27 || n == 29);
   return n == 29 || n == 33 || n == 34 || (n >= 75 && n <= 77) || n == 99 || n == 110 || n == 111 ||
          n == 125 || (n >= 163 && n <= 166) || n == 192 || n == 202 || n == 222 || n == 240 ||
-         n == 250 || n == 281 || n == 351 || n == 374 || n == 375 || (n >= 404 && n <= 407) ||
-         n == 428 || n == 512 || n == 531 || n == 557 || n == 558 || n == 595 || n == 604 ||
-         n == 605 || n == 800 || n == 908 || n == 925 || n == 926;
+         n == 250 || n == 281 || n == 351 || n == 374 || n == 375 || n == 428 || n == 512 ||
+         n == 531 || n == 557 || n == 558 || n == 595 || n == 604 || n == 605 || n == 800 ||
+         n == 908 || n == 925 || n == 926;
 }
 
 // Commands other than moves that have a parameter E. passo.gcode.registry has the same list.
