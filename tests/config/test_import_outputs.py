@@ -112,6 +112,7 @@ def test_sensors_keep_kind_range_and_letter(made):
     assert [s.sensor.kind for s in (chamber, pi, mcu)] == ["thermistor", "host", "chip"]
     warmest = made[1].sensors["warmest"].sensor
     assert (warmest.kind, warmest.of, warmest.by) == ("combined", ["chamber", "hotend"], "max")
+    assert (warmest.max_deviation_c, made[1].sensors["warmest"].on_fault) == (100.0, "machine")
     assert (pi.on_fault, mcu.on_fault, mcu.max_c) == ("report", "machine", 100.0)
     assert (pi.letter, mcu.letter) == (None, None)
     assert "it belongs to chamber" in "\n".join(remarks(made[0], "dropped"))
@@ -154,7 +155,8 @@ def test_clients_see_the_sections_of_outputs_and_sensors(made):
     assert settings["temperature_sensor mcu"]["sensor_type"] == "temperature_mcu"
     assert settings["temperature_sensor chamber"]["gcode_id"] == "C"
     text = exported(made[1]).text("")
-    assert "sensor_list: temperature_sensor chamber, extruder\ncombination_method: max" in text
+    assert "sensor_list: temperature_sensor chamber, extruder\ncombination_method: max\n" in text
+    assert "maximum_deviation: 100\n" in text
     assert "[heater_fan shared]\nheater: extruder, heater_bed\n" in text
 
 

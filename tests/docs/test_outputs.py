@@ -1,5 +1,5 @@
-"""The tables of the how-tos about outputs, fans and lights are those of a machine file, and their
-commands work."""
+"""The tables of the how-tos about outputs, sensors, fans and lights are those of a machine file,
+and their commands work."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def commands(page: str) -> list[str]:
     return re.findall(r"^\| `([A-Z][^`]*)` \|", text, re.MULTILINE)
 
 
-@pytest.mark.parametrize("page", ["use-lights", "use-fans", "switch-outputs"])
+@pytest.mark.parametrize("page", ["use-lights", "use-fans", "switch-outputs", "show-temperatures"])
 def test_tables_and_commands_of_the_page_work(page):
     with Scenario(machine(page)) as s:
         s.passes(1)

@@ -183,6 +183,21 @@ def test_combined_sensor_follows_heaters_and_sensors(by: str, celsius: float):
         assert s.until(lambda: seen(s, "both").celsius is None, 5)
 
 
+@pytest.mark.parametrize("on_fault", ["report", "machine"])
+def test_combined_sensor_is_broken_while_its_parts_differ(on_fault: str):
+    both = f"""[sensors.both]
+sensor = {{ kind = "combined", of = ["Chamber", "bed"], max_deviation_c = 10.0 }}
+on_fault = "{on_fault}"
+"""
+    text = shipped_text("i3").replace("[fans.part]", f"{SENSORS}{both}[fans.part]")
+    with Scenario(config.load_text(text)) as s:
+        assert s.until(lambda: seen(s, "both").celsius == pytest.approx(28, abs=0.5), 3)
+        warms(s, 45.0)
+        s.host.expect(r"the sensors of both read (19|20)\.\d C apart, of at most 10 C", 5)
+        assert (seen(s, "both").celsius, seen(s, "both").fault) == (None, "apart")
+        assert bool(s.printer.state.halted) == (on_fault == "machine")
+
+
 def test_combined_sensor_of_an_unknown_part_is_refused():
     wrong = '[sensors.both]\nsensor = { kind = "combined", of = ["Chambre"] }\n'
     with pytest.raises(ConfigError) as caught:

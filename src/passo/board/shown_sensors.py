@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from passo.board.dictionary import Dictionary
     from passo.board.exchange import Values
 
-Broken = Literal["", "open", "short", "silent", "garbled", "other-chip"]
+Broken = Literal["", "open", "short", "silent", "garbled", "other-chip", "apart"]
 REPORTS = (REPORT, "thermocouple_result")
 
 

@@ -35,6 +35,10 @@ SHOWN: Mapping[str, Entry] = {
         "the chip at {limit} is not the one of sensor {axis}: it reports {value}",
         "Correct the kind or the address of the sensor in the machine file",
     ),
+    "sensor.apart": _shown(
+        "the sensors of {axis} read {value} apart, of at most {limit}",
+        "Check which of them is wrong, or change max_deviation_c in the machine file",
+    ),
     "sensor.low": _shown(
         "sensor {axis} reads {value:.1f} °C, below its minimum of {limit:.1f} °C",
         "Check the sensor, or change its min_c in the machine file",

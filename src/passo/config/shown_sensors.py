@@ -42,6 +42,8 @@ class CombinedSensor(Model):
     """The names of heaters and of other `sensors`."""
     by: Literal["mean", "min", "max"] = "mean"
     """Whether it is the mean, the lowest or the highest of them."""
+    max_deviation_c: Annotated[float, Field(gt=0, le=1000)] | None = None
+    """If they read further apart than this, the sensor is broken. If not given, they may differ."""
 
 
 class ShownSensor(Model):

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from passo.simulator.sensor_chips import SensorChip
 
 _SENSOR = (NO_FAULT, "open", "short", "noise", "loose")
-_CHIP = (NO_FAULT, "silent", "garbled")
+_CHIP = (NO_FAULT, "silent")
+_CHECKED_CHIP = (*_CHIP, "garbled")
 _HEATER = (NO_FAULT, "on", "off")
 _ENDSTOP = (NO_FAULT, "triggered", "open")
 _FLICKERS = "flickering"
@@ -68,7 +69,8 @@ class SimulatedFaults:
             self._add(f"{sensor.name}-sensor", _SENSOR, self._sensor_setter(sensor.name))
         for sensor in board.i2c_sensors:
             chip = machine.sensor_chips[sensor.name]
-            self._add(f"{sensor.name}-sensor", _CHIP, _chip_setter(chip))
+            faults = _CHECKED_CHIP if chip.checked else _CHIP
+            self._add(f"{sensor.name}-sensor", faults, _chip_setter(chip))
         for endstop in board.endstops:
             self._add(f"{endstop.name}-endstop", _ENDSTOP, self._endstop_setter(endstop.name))
             if endstop.name == PROBE:

@@ -958,10 +958,10 @@ export interface Script {
 
 /** A temperature sensor without a heater. `celsius` is its last reading, None before the first one
  * and while the sensor is broken; `lowest_c` and `highest_c` are its extremes since the start.
- * `fault` is `open`, `short`, `silent`, `garbled` or `other-chip` for a broken sensor, `low` or
- * `high` beyond its range, or empty. `age_s` is 0 while the board reports, otherwise the age of
- * the reading in s. `humidity`, %, and `pressure_hpa` are None if the sensor does not measure
- * them. */
+ * `fault` is `open`, `short`, `silent`, `garbled`, `other-chip` or `apart` for a broken sensor,
+ * `low` or `high` beyond its range, or empty. `age_s` is 0 while the board reports, otherwise the
+ * age of the reading in s. `humidity`, %, and `pressure_hpa` are None if the sensor does not
+ * measure them. */
 export interface SensorStatus {
   celsius?: number | null;
   lowest_c?: number | null;

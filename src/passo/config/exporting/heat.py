@@ -134,7 +134,9 @@ def put_shown_sensor(cfg: Cfg, name: str, section: str) -> None:
             for one in sensor.of
         ]
         cfg.put(section, sensor_type="temperature_combined", sensor_list=", ".join(names))
-        cfg.put(section, combination_method=sensor.by, maximum_deviation=999.9)
+        cfg.put(
+            section, combination_method=sensor.by, maximum_deviation=sensor.max_deviation_c or 999.9
+        )
     elif isinstance(sensor, ChipSensor):
         cfg.put(section, sensor_type="temperature_mcu", sensor_mcu=sensor.board or None)
     elif isinstance(sensor, I2cSensor):

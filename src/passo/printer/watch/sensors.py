@@ -30,15 +30,16 @@ _log = logging.getLogger(__name__)
 _HOST_S = 1.0  # between two readings of this computer's temperature
 _LASTS_S = 1.0  # a fault counts after this time
 _CHIP_FAULTS = ("silent", "garbled", "other-chip")  # of a chip on I2C, which stop nothing
-_BROKEN = ("open", "short", *_CHIP_FAULTS)
+_FOUND_FAULTS = (*_CHIP_FAULTS, "apart")  # what was found is a text
+_BROKEN = ("open", "short", *_FOUND_FAULTS)
 FaultKind = Broken | Literal["low", "high"]
 
 
 @dataclass(frozen=True, slots=True)
 class SensorFault:
     """A sensor without a heater is broken, or reads a temperature beyond `limit`. `place` and
-    `found` are the place of a chip on I2C, and what came from it. `str()` gives a message with the
-    next action."""
+    `found` are the place of a chip on I2C and what came from it, or the limit of a combined sensor
+    and what was read. `str()` gives a message with the next action."""
 
     sensor: str
     kind: FaultKind
@@ -50,7 +51,7 @@ class SensorFault:
     @property
     def problem(self) -> Problem:
         """The fault as a problem of the catalogue."""
-        if self.kind in _CHIP_FAULTS:
+        if self.kind in _FOUND_FAULTS:
             values = {"axis": self.sensor, "value": self.found, "limit": self.place}
         else:
             values = {"axis": self.sensor, "value": self.celsius, "limit": self.limit}
@@ -98,13 +99,14 @@ class SensorWatch:
                 if host:
                     seen.found = SensorReading(_of_host(shown.sensor))
             elif isinstance(shown.sensor, CombinedSensor):
-                seen.found = SensorReading(self._combined(shown.sensor))
+                seen.found = self._combined(shown.sensor)
             else:
                 seen.found = self._rig.connection.sensor(name, self._rig.queue.board_now)
             self._take(name, shown, seen, now_s)
 
-    def _combined(self, sensor: CombinedSensor) -> Reading:
-        """The temperature that follows from others; unknown while one of them is."""
+    def _combined(self, sensor: CombinedSensor) -> SensorReading:
+        """The temperature that follows from others; unknown while one of them is, and broken while
+        they are too far apart."""
         connection, found = self._rig.connection, list[float]()
         for name in sensor.of:
             if name in self._sensors:
@@ -112,9 +114,12 @@ class SensorWatch:
             else:
                 celsius = connection.reading(name, self._rig.queue.board_now).current_c
             if celsius is None:
-                return Reading(None)
+                return SensorReading(Reading(None))
             found.append(celsius)
-        return Reading({"mean": fmean, "min": min, "max": max}[sensor.by](found))
+        apart_c = max(found) - min(found)
+        if sensor.max_deviation_c is not None and apart_c > sensor.max_deviation_c:
+            return SensorReading(Reading(None), "apart", f"{apart_c:.1f} °C")
+        return SensorReading(Reading({"mean": fmean, "min": min, "max": max}[sensor.by](found)))
 
     def _take(
         self,
@@ -140,7 +145,7 @@ class SensorWatch:
     def _fault(self, name: str, kind: FaultKind) -> SensorFault:
         seen, shown = self._seen[name], self._sensors[name]
         limit = shown.min_c if kind == "low" else shown.max_c
-        place = _place_of(shown.sensor) if isinstance(shown.sensor, I2cSensor) else ""
+        place = _place_of(shown.sensor)
         return SensorFault(name, kind, seen.found.reading.number_c, limit, place, seen.found.found)
 
     def _failed(self, shown: ShownSensor, fault: SensorFault) -> None:
@@ -183,8 +188,13 @@ def _of_host(sensor: HostSensor) -> Reading:
     return Reading(None)
 
 
-def _place_of(sensor: I2cSensor) -> str:
-    """The bus and the address of a chip, as an owner looks for them."""
+def _place_of(sensor: object) -> str:
+    """The bus and the address of a chip on I2C, as an owner looks for them, or the limit of a
+    combined sensor; empty for other sensors."""
+    if isinstance(sensor, CombinedSensor):
+        return f"{sensor.max_deviation_c:g} °C" if sensor.max_deviation_c else ""
+    if not isinstance(sensor, I2cSensor):
+        return ""
     bus = sensor.i2c_bus or f"{sensor.scl_pin} and {sensor.sda_pin}"
     return f"address {sensor.used_address} on I2C ({bus})"
 

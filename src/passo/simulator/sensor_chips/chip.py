@@ -6,9 +6,11 @@ _OPEN_BUS = 0xFF
 
 
 class SensorChip:
-    """A chip that measures `celsius`, `humidity` in % and `pressure_hpa`. If not `plugged`, it does
-    not answer; if `garbled`, one bit of each of its answers is wrong. All clocks are ticks of its
-    board."""
+    """A chip that measures `celsius`, `humidity` in % and `pressure_hpa`; its answers may be
+    `checked` by a checksum. If not `plugged`, it does not answer; if `garbled`, one bit of each of
+    its answers is wrong. All clocks are ticks of its board."""
+
+    checked = False
 
     def __init__(self, clock_hz: float) -> None:
         self._hz = clock_hz

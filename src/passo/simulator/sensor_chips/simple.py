@@ -21,6 +21,8 @@ def _word(share: float, full: int, mask: int = 0xFFFF) -> int:
 class Lm75(SensorChip):
     """An LM75: 9 bits of 0.5 °C in its register 0."""
 
+    _register = 0
+
     def command(self, data: bytes, clock: int) -> None:
         """The first byte selects a register."""
         self._register = data[0]
@@ -35,6 +37,7 @@ class HtuChip(SensorChip):
     """An HTU21D, SHT21, Si7013, Si7020 or Si7021, without holding the clock low. While it measures,
     it does not acknowledge a read."""
 
+    checked = True
     _SECONDS = {0xF3: 0.085, 0xF5: 0.029, 0xFE: 0.015}
 
     def __init__(self, clock_hz: float, kind: str) -> None:
@@ -63,6 +66,8 @@ class HtuChip(SensorChip):
 class ShtChip(SensorChip):
     """An SHT30, SHT31 or SHT35, without clock stretching."""
 
+    checked = True
+
     def __init__(self, clock_hz: float) -> None:
         super().__init__(clock_hz)
         self._ready: int | None = None
@@ -89,7 +94,7 @@ class AhtChip(SensorChip):
     def __init__(self, clock_hz: float, kind: str) -> None:
         super().__init__(clock_hz)
         self._load = {"aht1x": b"\xe1\x08\x00", "aht2x": b"\xbe\x08\x00"}.get(kind)
-        self._checked = kind != "aht1x"
+        self.checked = kind != "aht1x"
         self._loaded = self._load is None
         self._ready: int | None = None
 
@@ -105,4 +110,4 @@ class AhtChip(SensorChip):
         warm, damp = round((self.celsius + 50) / 200 * 2**20), round(self.humidity / 100 * 2**20)
         status = (0x80 if busy else 0) | (0x08 if self._loaded else 0)
         data = bytes((status,)) + (damp << 20 | warm).to_bytes(5, "big")
-        return data + bytes((_crc8(data, 0xFF),)) if self._checked else data
+        return data + bytes((_crc8(data, 0xFF),)) if self.checked else data

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _COMBINED = "temperature_combined"
 _HOST, _CHIP = "temperature_host", "temperature_mcu"
 # A sensor with limits within these halts the printer, as in Klipper; wider limits are none.
-_NO_LOW_C, _NO_HIGH_C = -100.0, 200.0
+_NO_LOW_C, _NO_HIGH_C, _NO_DEVIATION_C = -100.0, 200.0, 900.0
 _CALIBRATION = ("sensor_temperature1", "sensor_temperature2", "sensor_adc1", "sensor_adc2")
 _MIN_PERIOD_S = 0.5
 _OTHER_NAMES = {"aht10": "aht1x"}
@@ -79,6 +79,8 @@ def _put_shown(job: Import, section: Section, name: str) -> None:
         names = [name.strip() for name in section.text("sensor_list").split(",") if name.strip()]
         keys = {"kind": "combined", "of": [_named(job, section, one) for one in names]}
         keys |= {"by": by} if by in ("min", "max") else {}
+        apart = section.number("maximum_deviation")
+        keys |= {"max_deviation_c": apart} if apart and apart < _NO_DEVIATION_C else {}
     on_i2c = _OTHER_NAMES.get(kind.lower(), kind.lower())
     if on_i2c in I2C_KINDS:
         _put_chip(job, section, name, on_i2c)
@@ -96,7 +98,8 @@ def _put_shown(job: Import, section: Section, name: str) -> None:
         put_sensor(job, section, path)
     job.put("temperature_sensor", section, name=name)
     low, high = section.number("min_temp"), section.number("max_temp")
-    if (low is not None and low > _NO_LOW_C) or (high is not None and high < _NO_HIGH_C):
+    limited = (low is not None and low > _NO_LOW_C) or (high is not None and high < _NO_HIGH_C)
+    if limited or "max_deviation_c" in keys:
         put((*path, "on_fault"), "machine", section.at("min_temp"))
     letter = section.text("gcode_id").upper()
     if len(letter) == 1 and letter.isalpha():
