@@ -18,6 +18,7 @@ from passo.printer.wait_requests import NullReply, Reply, Wait, WaitForMoves
 if TYPE_CHECKING:
     from passo.printer.control import Control
     from passo.printer.machine_parts import MachineParts
+    from passo.printer.settings import Group
 
 _log = logging.getLogger(__name__)
 
@@ -67,8 +68,8 @@ class SettingsCommands:
             self._state.stores.append(self.store)
             self._state.status_parts.append(lambda status: replace(status, unsaved=self.unsaved()))
 
-    def provenance(self) -> Iterator[tuple[str, Setting, str | None, str | None, str]]:
-        """All active values by heading: the setting, the value of the machine file, the stored
+    def provenance(self) -> Iterator[tuple[Group, Setting, str | None, str | None, str]]:
+        """All active values by their group: the setting, the value of the machine file, the stored
         value (None without one), and the source of the active value: `file`, `stored` or
         `command`."""
         try:
@@ -76,8 +77,8 @@ class SettingsCommands:
         except CommandError:
             overrides = []
         held = {override.setting.key: override.setting.value for override in overrides}
-        for group, lines in self._settings.groups():
-            for setting in settings_in(lines):
+        for group in self._settings.groups():
+            for setting in settings_in(group.lines):
                 file, stored = self._file.get(setting.key), held.get(setting.key)
                 if stored is not None and same(stored, setting.value):
                     source = "stored"
@@ -86,8 +87,9 @@ class SettingsCommands:
                 yield group, setting, file, stored, source
 
     def unsaved(self) -> dict[str, dict[str, str]]:
-        """The settings that M500 would change in the store, as commands with values, by heading.
-        Empty without a store. Cheap to call, because the store is read only after a change."""
+        """The settings that M500 would change in the store, as commands with values, by heading,
+        without temporary ones. Empty without a store. Cheap to call, because the store is read
+        only after a change."""
         if self._store is None:
             return {}
         lines = list(self._settings.lines())
@@ -98,8 +100,10 @@ class SettingsCommands:
     def _found_unsaved(self) -> dict[str, dict[str, str]]:
         found: dict[str, dict[str, str]] = {}
         for group, setting, file, stored, _ in self.provenance():
-            if not same(setting.value, file if stored is None else stored):
-                found.setdefault(group, {})[f"{setting.head} {setting.word}"] = setting.value
+            kept = file if stored is None else stored
+            if not group.temporary and not same(setting.value, kept):
+                values = found.setdefault(group.heading, {})
+                values[f"{setting.head} {setting.word}"] = setting.value
         return found
 
     def restore(self, lines: Iterable[str], reply: Reply) -> None:
@@ -254,10 +258,10 @@ class SettingsCommands:
     )
     def _report(self, command: Command, reply: Reply) -> Wait | None:
         headings = command.value("S") != 0
-        for heading, lines in self._settings.groups():
+        for group in self._settings.groups():
             if headings:
-                reply.say(f"; {heading}")
-            for line in lines:
+                reply.say(f"; {group.heading}")
+            for line in group.lines:
                 reply.say(line)
         for line in self._options.pending_lines():
             reply.say(line)

@@ -369,8 +369,8 @@ class LiveBridge:
         """Like `Bridge.settings`."""
         rows = await self._call(lambda: list(self._settings.provenance()))
         return [
-            SettingValue(group, setting.head, setting.word, setting.value, file, stored, source)
-            for group, setting, file, stored, source in rows
+            SettingValue(group.heading, one.head, one.word, one.value, file, stored, source)
+            for group, one, file, stored, source in rows
         ]
 
     async def bed(self) -> BedState:

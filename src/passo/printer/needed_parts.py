@@ -81,5 +81,6 @@ NEEDS: Mapping[str, _Needs] = {
     "ACTIVATE_EXTRUDER": _has_filament,
     "SET_PRESSURE_ADVANCE": _has_filament,
     "SET_RETRACTION": _has_filament,
+    "GET_RETRACTION": _has_filament,
 }
 """Whether a machine has what the command needs, by its code."""

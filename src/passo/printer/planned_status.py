@@ -17,6 +17,7 @@ from passo.printer.status import (
     JobStatus,
     MotionStatus,
     PrinterState,
+    RetractionStatus,
     SensorStatus,
     Status,
 )
@@ -82,6 +83,7 @@ def planned_status(
         progress=_fraction(job, file),
         job=_job(machine, job, file) if file else None,
         bed=_unmeasured(machine),
+        retraction=RetractionStatus.of(job) if machine.extruders else None,
         outputs=dict(outputs),
         sensors={
             name: SensorStatus(shown.ambient_c, shown.ambient_c, shown.ambient_c)

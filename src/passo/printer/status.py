@@ -386,6 +386,23 @@ class AdvanceStatus:
 
 
 @dataclass(frozen=True, slots=True)
+class RetractionStatus:
+    """The retraction of G10 and G11: the length and its speed, the length that G11 returns in
+    addition, and the speed of G11."""
+
+    length_mm: float
+    speed_mm_s: float
+    extra_mm: float
+    return_mm_s: float
+
+    @classmethod
+    def of(cls, job: _core.Job) -> RetractionStatus:
+        """The retraction of a job now."""
+        length_mm, speed_mm_s, _, extra_mm, return_mm_s, *_ = job.modes.retraction
+        return cls(length_mm, speed_mm_s, extra_mm, return_mm_s or speed_mm_s)
+
+
+@dataclass(frozen=True, slots=True)
 class ScrewStatus:
     """The last measurement of a bed screw. `height_mm` is the height of the bed at the screw.
     `adjust` is how to turn it: `CW` or `CCW`, and turns as `full:minutes`, where 60 minutes are one
@@ -411,19 +428,20 @@ class Status:
     prints that wait; `started`: the boards have started at least once; `macros` are the variables
     of the macros, by name. Below `min_extrude_c` the hotend of `tool` moves no filament; 0 means no
     limit (M302). `unsaved` are the settings that M500 would change, as commands with their values,
-    by headings; `saved_variables` are the variables of SAVE_VARIABLE. `bed` is None on a machine
-    without a probe. `moving_s` is the print time for which the machine has printed or moved without
-    a break. `gantry_level`: the Z motors have levelled the gantry, and have been on since then;
-    None on a machine that cannot do this. `skew_profile` is the name of the active saved skew, or
-    empty; None without skew and profiles. `screws` are the last measurements of the bed screws;
-    `screws_limit_mm` is their allowed difference, if it is exceeded. `shapers` are the input
-    shapers by axis, `advances` the pressure advance of each extruder. `cooled_c` are the targets of
-    the heaters that a long pause or a fault has switched off, °C by name: they warm up before the
-    print resumes. `buttons` are the buttons by name, with True while they are pressed. `outputs`
-    are fractions of fully on, without outputs that are fixed; `sensors` are those without a
-    heater; `fan_targets_c` are the targets of the fans with a thermostat, 0 while they are off.
-    `inputs` are those of filament sensors (`filament-` and the name) and buttons (`button-` and
-    the name)."""
+    by headings, without those that files and pages change for a while; `saved_variables` are the
+    variables of SAVE_VARIABLE. `bed` is None on a machine without a probe. `moving_s` is the print
+    time for which the machine has printed or moved without a break. `gantry_level`: the Z motors
+    have levelled the gantry, and have been on since then; None on a machine that cannot do this.
+    `skew_profile` is the name of the active saved skew, or empty; None without skew and profiles.
+    `screws` are the last measurements of the bed screws; `screws_limit_mm` is their allowed
+    difference, if it is exceeded. `shapers` are the input shapers by axis, `advances` the pressure
+    advance of each extruder; `retraction` is None on a machine without filament. `cooled_c` are the
+    targets of the heaters that a long pause or a fault has switched off, °C by name: they warm up
+    before the print resumes. `buttons` are the buttons by name, with True while they are pressed.
+    `outputs` are fractions of fully on, without outputs that are fixed; `sensors` are those without
+    a heater; `fan_targets_c` are the targets of the fans with a thermostat, 0 while they are off.
+    `inputs` are those of filament sensors (`filament-` and the name) and buttons (`button-` and the
+    name)."""
 
     state: PrinterState
     halted: str
@@ -462,6 +480,7 @@ class Status:
     screws_limit_mm: float | None = None
     shapers: dict[str, ShaperStatus] = field(default_factory=dict[str, ShaperStatus])
     advances: tuple[AdvanceStatus, ...] = ()
+    retraction: RetractionStatus | None = None
     cooled_c: dict[str, float] = field(default_factory=dict[str, float])
     outputs: dict[str, float] = field(default_factory=dict[str, float])
     fan_targets_c: dict[str, float] = field(default_factory=dict[str, float])

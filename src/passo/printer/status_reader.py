@@ -16,6 +16,7 @@ from passo.printer.status import (
     HeaterStatus,
     MotionStatus,
     PrinterState,
+    RetractionStatus,
     Status,
 )
 
@@ -75,6 +76,7 @@ class StatusReader:
             screws_limit_mm=self._levelling.screws.exceeded_mm if self._levelling.screws else None,
             shapers=rig.commands.filters.shaper_status(),
             advances=rig.commands.filters.advance_status(),
+            retraction=RetractionStatus.of(job) if rig.machine.extruders else None,
             cooled_c=dict(self._outputs.targets.cooled_c),
             outputs=self._output_values(),
             servos_us=self._servo_widths(),

@@ -30,14 +30,14 @@ def shown(bridge: LiveBridge, *names: str):
     return [found[name]() for name in names]
 
 
-def on_printer(test, tmp_path):
+def on_printer(test, tmp_path, machine="i3"):
     """Runs a test with the bridge of a printer that has a card and a store of settings."""
     card, state = tmp_path / "card", tmp_path / "state"
     card.mkdir()
     (card / "part.gcode").write_text(HEAT_AND_PRINT + "\n")
 
     async def main():
-        async with passo.Printer("i3", card=str(card), state=str(state)) as printer:
+        async with passo.Printer(machine, card=str(card), state=str(state)) as printer:
             await test(printer._bridge)
 
     passo.run(main(), clock="virtual")
@@ -169,6 +169,41 @@ def test_unsaved_settings_are_pending_until_they_are_stored(tmp_path):
         assert await pending("M501") == {}
         assert await pending("M502") != {}
         assert await pending("M500") == {}
+        # what files and pages change for a while
+        assert await pending("M204 P500", "SET_PRESSURE_ADVANCE ADVANCE=0.1", "M207 S1") == {}
+        await bridge.run("M500")
+        assert {"M204 P", "M207 S"} <= {
+            f"{s.command} {s.word}" for s in await bridge.settings() if s.source == "stored"
+        }
+
+    on_printer(test, tmp_path)
+
+
+def test_switched_filament_sensor_does_not_ask_to_save(tmp_path):
+    async def test(bridge: LiveBridge):
+        await bridge.run("SET_FILAMENT_SENSOR SENSOR=roll ENABLE=0")
+        await asyncio.sleep(0.5)
+        sensor, config = shown(bridge, "filament_switch_sensor roll", "configfile")
+        assert (sensor["enabled"], config["save_config_pending"]) == (False, False)
+
+    on_printer(test, tmp_path, "i3-all-parts")
+
+
+def test_retraction_is_shown_and_set(tmp_path):
+    async def test(bridge: LiveBridge):
+        async def retraction(line):
+            await bridge.run(line)
+            await asyncio.sleep(0.5)
+            return list(shown(bridge, "firmware_retraction")[0].values())
+
+        assert await retraction("M400") == [3.0, 45.0, 0.0, 45.0]
+        assert await retraction("SET_RETRACTION RETRACT_LENGTH=0.8") == [0.8, 45.0, 0.0, 45.0]
+        line = "SET_RETRACTION RETRACT_SPEED=30 UNRETRACT_EXTRA_LENGTH=0.1 UNRETRACT_SPEED=20"
+        assert await retraction(line) == [0.8, 30.0, 0.1, 20.0]
+        assert await bridge.run("GET_RETRACTION") == (
+            "RETRACT_LENGTH=0.80000 RETRACT_SPEED=30.00000"
+            " UNRETRACT_EXTRA_LENGTH=0.10000 UNRETRACT_SPEED=20.00000",
+        )
 
     on_printer(test, tmp_path)
 

@@ -936,6 +936,15 @@ export interface Resonance {
   axis: "x" | "y" | "z";
 }
 
+/** The retraction of G10 and G11: the length and its speed, the length that G11 returns in
+ * addition, and the speed of G11. */
+export interface RetractionStatus {
+  length_mm: number;
+  speed_mm_s: number;
+  extra_mm: number;
+  return_mm_s: number;
+}
+
 /** The path of the new machine file. */
 export interface SavedMachine {
   path: string;
@@ -1051,19 +1060,20 @@ export interface StallAxis {
  * prints that wait; `started`: the boards have started at least once; `macros` are the variables
  * of the macros, by name. Below `min_extrude_c` the hotend of `tool` moves no filament; 0 means
  * no limit (M302). `unsaved` are the settings that M500 would change, as commands with their
- * values, by headings; `saved_variables` are the variables of SAVE_VARIABLE. `bed` is None on a
- * machine without a probe. `moving_s` is the print time for which the machine has printed or
- * moved without a break. `gantry_level`: the Z motors have levelled the gantry, and have been on
- * since then; None on a machine that cannot do this. `skew_profile` is the name of the active
- * saved skew, or empty; None without skew and profiles. `screws` are the last measurements of the
- * bed screws; `screws_limit_mm` is their allowed difference, if it is exceeded. `shapers` are the
- * input shapers by axis, `advances` the pressure advance of each extruder. `cooled_c` are the
- * targets of the heaters that a long pause or a fault has switched off, °C by name: they warm up
- * before the print resumes. `buttons` are the buttons by name, with True while they are pressed.
- * `outputs` are fractions of fully on, without outputs that are fixed; `sensors` are those
- * without a heater; `fan_targets_c` are the targets of the fans with a thermostat, 0 while they
- * are off. `inputs` are those of filament sensors (`filament-` and the name) and buttons
- * (`button-` and the name). */
+ * values, by headings, without those that files and pages change for a while; `saved_variables`
+ * are the variables of SAVE_VARIABLE. `bed` is None on a machine without a probe. `moving_s` is
+ * the print time for which the machine has printed or moved without a break. `gantry_level`: the
+ * Z motors have levelled the gantry, and have been on since then; None on a machine that cannot
+ * do this. `skew_profile` is the name of the active saved skew, or empty; None without skew and
+ * profiles. `screws` are the last measurements of the bed screws; `screws_limit_mm` is their
+ * allowed difference, if it is exceeded. `shapers` are the input shapers by axis, `advances` the
+ * pressure advance of each extruder; `retraction` is None on a machine without filament.
+ * `cooled_c` are the targets of the heaters that a long pause or a fault has switched off, °C by
+ * name: they warm up before the print resumes. `buttons` are the buttons by name, with True while
+ * they are pressed. `outputs` are fractions of fully on, without outputs that are fixed;
+ * `sensors` are those without a heater; `fan_targets_c` are the targets of the fans with a
+ * thermostat, 0 while they are off. `inputs` are those of filament sensors (`filament-` and the
+ * name) and buttons (`button-` and the name). */
 export interface Status {
   state: PrinterState;
   halted: string;
@@ -1102,6 +1112,7 @@ export interface Status {
   screws_limit_mm?: number | null;
   shapers: Record<string, ShaperStatus>;
   advances: AdvanceStatus[];
+  retraction?: RetractionStatus | null;
   cooled_c: Record<string, number>;
   outputs: Record<string, number>;
   fan_targets_c: Record<string, number>;

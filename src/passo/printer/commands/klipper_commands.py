@@ -15,6 +15,7 @@ from passo.gcode.command import Command
 from passo.gcode.parameters import flag, number, text
 from passo.gcode.registry import Subject, When, command, in_program
 from passo.printer.stand_ins import FANS, HEATERS
+from passo.printer.status import RetractionStatus
 from passo.printer.wait_requests import without_effect
 
 if TYPE_CHECKING:
@@ -260,6 +261,19 @@ class KlipperCommands:
         out = _lettered(command, {"S": ("UNRETRACT_EXTRA_LENGTH", 1), "F": ("UNRETRACT_SPEED", 60)})
         calls = [Command.call(code, **words) for code, words in (("M207", into), ("M208", out))]
         self._become(*(call for call in calls if call.values))
+
+    @command(
+        "GET_RETRACTION",
+        Subject.FILAMENT,
+        When.PLANNED,
+        "Reports how G10 and G11 retract; speeds in mm/s.",
+    )
+    def _report_retraction(self, _: Command, reply: Reply) -> None:
+        now = RetractionStatus.of(self._job)
+        reply.say(
+            f"RETRACT_LENGTH={now.length_mm:.5f} RETRACT_SPEED={now.speed_mm_s:.5f}"
+            f" UNRETRACT_EXTRA_LENGTH={now.extra_mm:.5f} UNRETRACT_SPEED={now.return_mm_s:.5f}"
+        )
 
     # -- reports and settings ---------------------------------------------------------------------
 

@@ -10,7 +10,7 @@ from passo.config.square_corner import corner_mm_s
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
-    from passo.printer.status import Status
+    from passo.printer.status import RetractionStatus, Status
 
 Object = dict[str, Any]
 
@@ -65,6 +65,16 @@ def driver(status: Status, name: str) -> Object:
         "temperature": found.temperature_c,
         "mcu_phase_offset": None,
         "phase_offset_position": None,
+    }
+
+
+def firmware_retraction(retraction: RetractionStatus) -> Object:
+    """The retraction of G10 and G11."""
+    return {
+        "retract_length": retraction.length_mm,
+        "retract_speed": retraction.speed_mm_s,
+        "unretract_extra_length": retraction.extra_mm,
+        "unretract_speed": retraction.return_mm_s,
     }
 
 

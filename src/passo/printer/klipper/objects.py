@@ -42,6 +42,7 @@ from passo.printer.klipper.job import (
 from passo.printer.klipper.machine import filament_sensor, mcu, webhooks
 from passo.printer.klipper.motion import (
     driver,
+    firmware_retraction,
     gcode_move,
     input_shaper,
     motion_report,
@@ -100,6 +101,9 @@ def objects(
             found[shown] = lambda name=name, number=number: extruder(status, name, number)
         else:
             found[shown] = lambda name=name: heater(status, name)
+    retraction = status.retraction
+    if retraction is not None:
+        found["firmware_retraction"] = lambda: firmware_retraction(retraction)
     if status.shapers:
         found["input_shaper"] = lambda: input_shaper(status)
     for name in machine.fans:
