@@ -141,10 +141,10 @@ def test_buttons_share_an_analog_input():
         assert s.printer.status.read().buttons == {"up": False, "ok": False}
 
 
-@pytest.mark.parametrize("survives", [True, False])
-def test_analog_buttons_work_with_both_kinds_of_firmware(survives: bool):
+@pytest.mark.parametrize("firmware", ["passo", "klipper"])
+def test_analog_buttons_work_with_both_kinds_of_firmware(firmware: str):
     machine = with_inputs(ANALOG.format("up", 0, 100, "up"))
-    board = machine.board.model_copy(update={"survives": survives})
+    board = machine.board.model_copy(update={"firmware": firmware})
     with Scenario(machine.model_copy(update={"board": board})) as s:
         s.passes(1)
         s.board.force_input("button-up", True)

@@ -589,3 +589,29 @@ def test_what_was_allowed_for_a_print_survives_interruption(places):
     with Scenario("i3", **places) as s:
         goes_on(s, left)
         assert s.positions()["x"] == 100
+
+
+def test_outputs_resume_with_their_values_at_the_place(places):
+    outputs = '[outputs.{}]\npin = "{}"\n'
+    parts = outputs.format("lamp", "D11") + outputs.format("late", "D6") + "start = 1.0\n"
+    machine = config.load_text(
+        config.shipped_text("i3").replace("[fans.part]", f"{parts}[fans.part]")
+    )
+    moves = "".join(f"G1 X{50 + i % 2 * 30} Y50 Z5 F1800\n" for i in range(15))
+    text = f"G28\nSET_PIN PIN=lamp VALUE=1\n{moves}SET_PIN PIN=lamp VALUE=0\n{moves}"
+    (Path(places["card"]) / "a.g").write_text(text)
+    with Scenario(machine, **places) as s:
+        s.host.ok("M32 a.g")
+        history, queue = s.printer.rig.job.history, s.printer.rig.queue
+        assert s.until(lambda: history.line_at(queue.now) >= 8, 200)
+        assert s.board.output_value("outputs.lamp") == 1
+    with Scenario(machine, **places) as s:
+        s.passes(1)
+        names = ("lamp", "late")
+        assert [s.board.output_value(f"outputs.{name}") for name in names] == [0, 1]
+        s.host.ok("M1000", 200)
+        s.passes(1)
+        assert [s.board.output_value(f"outputs.{name}") for name in names] == [1, 1]
+        s.host.expect("Done printing", 200)
+        s.passes(1)
+        assert s.board.output_value("outputs.lamp") == 0

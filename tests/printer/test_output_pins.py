@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from array import array
+from functools import partial
 
 import pytest
 from tests.support.scenario import Scenario
@@ -10,6 +11,8 @@ from tests.support.scenario import Scenario
 from passo import config
 from passo.config.load import shipped_text
 from passo.errors import ConfigError
+from passo.printer.setup.connections import connect_simulated
+from passo.simulator import Cable
 
 HZ = 16_000_000
 FULL = HZ // 100  # ticks of a cycle of 100 Hz
@@ -80,6 +83,76 @@ def test_output_changes_after_the_moves_before_it(s):
     per_mm = s.machine.steppers["x"].steps_per_unit
     assert len(clocks) == pytest.approx(15 * per_mm, abs=1)
     assert sum(one <= clock for one in clocks) == pytest.approx(10 * per_mm, abs=1)
+
+
+def test_two_changes_without_a_move_are_a_pulse_of_a_tenth(s):
+    s.board.trace_output("outputs.shutter")
+    s.host.send("G92 X0", "G1 X5 F3000", "SET_PIN PIN=shutter VALUE=1")
+    s.host.send("SET_PIN PIN=shutter VALUE=0", "G1 X10", "SET_PIN PIN=shutter VALUE=1", "M400")
+    s.passes(3)
+    (on, high), (off, low), (again, _) = s.board.take_changes("outputs.shutter")
+    assert (high, low) == (1, 0)
+    assert (off - on) / HZ == pytest.approx(0.1, abs=0.002)
+    assert (again - off) / HZ > 0.1  # after the second move, without another pause
+    assert status(s)["shutter"] == 1.0
+
+
+def test_two_values_of_a_pulsed_output_without_a_move_are_the_last(s):
+    s.board.trace_output("outputs.lamp")
+    s.host.send("SET_PIN PIN=lamp VALUE=204", "SET_PIN PIN=lamp VALUE=51", "M400")
+    s.passes(2)
+    assert [value for _, value in s.board.take_changes("outputs.lamp")] == [FULL // 5]
+
+
+HARDWARE = """[outputs.heat]
+pin = "SERVO3"
+pwm = "hardware"
+pwm_hz = 1000.0
+start = 0.2
+at_halt = 0.4
+"""
+
+
+@pytest.mark.parametrize("firmware", ["passo", "klipper"])
+def test_hardware_pwm_starts_changes_and_halts_at_its_values(firmware: str):
+    parts = machine(HARDWARE)
+    board = parts.board.model_copy(update={"firmware": firmware})
+    with Scenario(parts.model_copy(update={"board": board})) as s:
+        s.passes(1)
+        assert s.board.output_value("outputs.heat") == 51  # of 255
+        s.host.ok("SET_PIN PIN=heat VALUE=0.5")
+        assert s.until(lambda: s.board.output_value("outputs.heat") == 128, 1)
+        s.host.send("M112")
+        s.passes(1)
+        assert s.board.output_value("outputs.heat") == 102
+        s.host.ok("M999", 30)
+        s.passes(1)
+        assert s.board.output_value("outputs.heat") == 51
+
+
+LIMITED = """[outputs.pump]
+pin = "D11"
+max_on_s = 1.0
+[outputs.lamp]
+pin = "D6"
+"""
+
+
+@pytest.mark.parametrize("firmware", ["passo", "klipper"])
+def test_lost_link_ends_an_output_with_a_longest_time(monkeypatch, firmware: str):
+    cable = partial(connect_simulated, cable=Cable(2e-4, 1e-4))
+    monkeypatch.setattr("passo.printer.printer.connect", cable)
+    parts = machine(LIMITED)
+    board = parts.board.model_copy(update={"firmware": firmware})
+    with Scenario(parts.model_copy(update={"board": board})) as s:
+        s.host.ok("SET_PIN PIN=pump VALUE=1")
+        s.host.ok("SET_PIN PIN=lamp VALUE=1")
+        s.passes(5)  # the host renews it
+        assert [s.board.output_value(f"outputs.{n}") for n in ("pump", "lamp")] == [1, 1]
+        s.board.cut_cable("")
+        s.passes(3)
+        values = [s.board.output_value(f"outputs.{n}") for n in ("pump", "lamp")]
+        assert values == [0, int(firmware == "passo")]  # other firmware has shut down
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,31 @@ def s():
         yield s
 
 
+TOOL = """[boards.tool]
+base = "klipper"
+clock_hz = 16_000_000
+move_count = 500
+"""
+
+
+@pytest.mark.parametrize(
+    ("pin", "more", "level"), [("!D12", "", 0), ("tool:PA1", TOOL, 1), ("!tool:PA1", TOOL, 0)]
+)
+def test_supply_may_be_on_any_pin_of_any_board(pin: str, more: str, level: int):
+    with Scenario(machine(f'[mains]\npin = "{pin}"\n{more}')) as s:
+        s.passes(1)
+        assert s.board.output_value("mains") == level
+        s.host.ok("M81")
+        s.passes(0.5)
+        assert s.board.output_value("mains") == 1 - level
+        s.host.ok("M80")
+        s.passes(0.5)
+        assert s.board.output_value("mains") == level
+        s.host.send("M112")
+        s.passes(1)
+        assert s.board.output_value("mains") == 1 - level
+
+
 def on(s) -> bool:
     return s.board.output_value("mains") == 1
 

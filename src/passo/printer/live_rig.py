@@ -64,3 +64,9 @@ class LiveRig(Rig):
         self.queue.before_moves()
         self.commands.outputs.set_fan(fan, share)
         self.queue.after_moves()
+
+    def set_free(self, output: str, share: float) -> None:
+        """Sets one of the machine's `outputs`, 0 to 1, when the moves so far are done."""
+        self.queue.before_moves()
+        self.commands.outputs.set_free(output, share)
+        self.queue.after_moves()

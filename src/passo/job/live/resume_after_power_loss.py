@@ -18,6 +18,7 @@ from passo.printer.input_errors import problem_of
 from passo.printer.wait_requests import NullReply, WaitForTemperatures
 
 if TYPE_CHECKING:
+    from passo.printer.commands.outputs import Outputs
     from passo.printer.control import Control
     from passo.printer.machine_parts import MachineParts
 
@@ -78,7 +79,7 @@ class Recovery:
         self._motion.offsets.home_mm |= past.homed_mm
         await self._lift_and_home(past.unhomed)
         self._motion.offsets.home_mm |= past.home_offset_mm
-        await self._warm(past.commands.outputs.fans)
+        await self._warm(past.commands.outputs)
         if state.tool != control.rig.job.tool:
             # select the tool first, because its nozzle is primed
             control.dispatch.take_setting(f"T{state.tool}", NullReply())
@@ -130,7 +131,8 @@ class Recovery:
             return
         await self._motion.homer.home("XY")
 
-    async def _warm(self, fans: dict[str, float]) -> None:
+    async def _warm(self, past: Outputs) -> None:
+        """Reaches the temperatures, and sets fans and outputs as before the interruption."""
         control = self._control
         hot = tuple(n for n, celsius in self._moment.targets_c.items() if celsius > 0)
         for name in control.machine.heaters:
@@ -139,7 +141,9 @@ class Recovery:
         await control.waits.wait(WaitForTemperatures(hot), NullReply())
         control.state.raise_if_interrupted()
         for fan in control.rig.commands.outputs.commanded_fans:
-            control.rig.set_fan(fan, fans.get(fan, 0.0))
+            control.rig.set_fan(fan, past.fans.get(fan, 0.0))
+        for name, share in past.values.items():
+            control.rig.set_free(name, share)
 
     async def _approach(self, at: list[float]) -> None:
         """Moves above the position, primes the nozzle with a little filament, and lowers it."""

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from passo.printer.wait_requests import Reply
 
 _FULL = 255  # S of M42, P of M355
-_TRIGGER_MS = 100  # the camera's output is on for this time
+_PULSE_MS = 100  # an output that changes twice at one place has its first value for this time
 _LACKS = "The machine file has no output for it ([outputs])."
 
 
@@ -44,12 +44,14 @@ class OutputPins:
         self._light = next((n for n, o in self._all.items() if o.use == "light"), None)
         self._camera = next((n for n, o in self._all.items() if o.use == "camera"), None)
         self._brightness = 1.0  # of the light while it is on
+        self._waited = set[str]()  # outputs whose first value has held
 
     @command(
         "SET_PIN",
         Subject.OUTPUTS,
         When.PLANNED,
-        "Sets an output by its name; VALUE is from 0 to the `scale` of the output.",
+        "Sets an output by its name; VALUE is from 0 to the `scale` of the output. If an output"
+        " without pwm changes twice without a move in between, its first value holds for 0.1 s.",
         text("PIN", "the name of the output"),
         number("VALUE", "from 0 to the scale of the output"),
         lacks=_LACKS,
@@ -70,7 +72,7 @@ class OutputPins:
             if output.pwm == "none":
                 limit = f"0 or {output.scale:g}: outputs.{name} has no pwm"
             raise CommandError.of("command.value", axis="VALUE", value=f"{value:g}", limit=limit)
-        self._outputs.set_free(name, value / output.scale)
+        self._set(name, value / output.scale)
 
     @command(
         "M42",
@@ -122,6 +124,19 @@ class OutputPins:
         """Sets an output to a fraction of fully on. One without pwm is on above 0."""
         if self._all[name].pwm == "none":
             share = float(share > 0)
+        self._set(name, share)
+
+    def _set(self, name: str, share: float) -> None:
+        """Sets an output to a fraction of fully on. If one without pwm changes twice without a move
+        in between, the first value would have no effect: it holds for `_PULSE_MS`."""
+        changes = self._all[name].pwm == "none" and share != self._outputs.values[name]
+        if changes and name not in self._waited and self._outputs.set_here(name):
+            self._waited.add(name)
+            value = share * self._all[name].scale
+            lines = f"G4 P{_PULSE_MS}\nSET_PIN PIN={name} VALUE={value:g}\n"
+            self._job.program.insert(lines.encode())
+            return
+        self._waited.discard(name)
         self._outputs.set_free(name, share)
 
     @command(
@@ -139,7 +154,7 @@ class OutputPins:
         full = self._all[self._camera].scale
         lines = [
             f"SET_PIN PIN={self._camera} VALUE={full:g}",
-            f"G4 P{_TRIGGER_MS}",
+            f"G4 P{_PULSE_MS}",
             f"SET_PIN PIN={self._camera} VALUE=0",
         ]
         self._job.program.insert("".join(f"{line}\n" for line in lines).encode())

@@ -65,6 +65,12 @@ class Outputs:
                 self._job.outputs.record(pin, value)
         return stays
 
+    def set_here(self, name: str) -> bool:
+        """Whether the last planned value of one of the machine's `outputs` takes effect at the end
+        of the moves so far, so that another one would replace it."""
+        end = self._job.clock + self._job.plan.queued_ticks
+        return self._acts_at.get(timed_name(name), -inf) >= end
+
     def set_fan(self, name: str, share: float, *, at_once: bool = False) -> None:
         """Like `set_output`, for a fan by its name."""
         if self.set_output(self._machine.fan_output(name), share, at_once=at_once):
