@@ -15,6 +15,7 @@
 #include "sim/converter_chip.hpp"
 #include "sim/digipot.hpp"
 #include "sim/head_dynamics.hpp"
+#include "sim/ldc1612_chip.hpp"
 #include "sim/simulated_device.hpp"
 
 namespace nb = nanobind;
@@ -193,6 +194,25 @@ void bind_chips(nb::module_& m) {
       },
       "bench"_a, "clock_pin"_a, "data_pin"_a, "address"_a, "kind"_a, "clock_hz"_a,
       "Connects an accelerometer, which lies still, to the I2C bus on these pins.");
+  nb::class_<Ldc1612Chip>(m, "Ldc1612Chip", "A simulated LDC1612 with a coil above the bed.")
+      .def("frequency", &Ldc1612Chip::frequency, "mm"_a,
+           "The frequency of the coil at a distance from the bed, Hz.")
+      .def_rw("plugged", &Ldc1612Chip::plugged)
+      .def_rw("open", &Ldc1612Chip::open, "The coil is broken.")
+      .def_rw("celsius", &Ldc1612Chip::celsius, "The temperature of the coil.")
+      .def_rw("noise_hz", &Ldc1612Chip::noise_hz);
+  m.def(
+      "add_ldc1612",
+      [](Bench& bench, uint32_t clock_pin, uint32_t data_pin, uint8_t address, uint32_t probe_pin,
+         double clock_hz) {
+        auto chip = std::make_shared<Ldc1612Chip>(
+            clock_hz, [&bench, probe_pin] { return bench.gap(probe_pin); });
+        bench.plant().i2c_devices.emplace_back(I2cPins{clock_pin, data_pin}, address,
+                                               Ldc1612Chip::on_i2c(chip));
+        return chip;
+      },
+      "bench"_a, "clock_pin"_a, "data_pin"_a, "address"_a, "probe_pin"_a, "clock_hz"_a,
+      "Connects an LDC1612 to the I2C bus on these pins. Its coil is the probe on `probe_pin`.");
   m.def(
       "add_led_chip",
       [](Bench& bench, uint32_t clock_pin, uint32_t data_pin, uint8_t address) {

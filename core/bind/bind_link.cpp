@@ -82,14 +82,15 @@ void bind_link(nb::module_& m) {
       .def(
           "arm",
           [](Timeline& t, const std::vector<std::pair<size_t, uint32_t>>& members, uint32_t reason,
-             uint32_t expired, double clock, double patience) {
+             uint32_t expired, double clock, double patience, uint32_t failed) {
             std::vector<Timeline::Member> list;
             for (auto [seat, oid] : members) list.push_back({seat, oid});
-            t.arm(std::move(list), reason, expired, clock, patience);
+            t.arm(std::move(list), reason, expired, clock, patience, failed);
           },
-          "members"_a, "reason"_a, "expired"_a, "clock"_a, "patience"_a,
+          "members"_a, "reason"_a, "expired"_a, "clock"_a, "patience"_a, "failed"_a = 0,
           "These trsyncs, (number of the link, oid), trigger together: with `reason` when one has "
-          "triggered, or with `expired` when one has not reported for `patience` ticks.")
+          "triggered, or with `expired` when one has not reported for `patience` ticks. Sixteen "
+          "reasons from `failed` on, if it is not 0, are errors of a sensor.")
       .def("disarm", &Timeline::disarm)
       .def_prop_ro("halted", &Timeline::halted, "A board has stopped or is lost.");
   nb::class_<Link>(m, "Link", "The host's end of the connection to a board; times in ticks.")

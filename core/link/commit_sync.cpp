@@ -33,10 +33,10 @@ double Timeline::clock_at(double host, double hz) const {
 }
 
 void Timeline::arm(std::vector<Member> members, uint32_t reason, uint32_t expired, double clock,
-                   double patience) {
+                   double patience, uint32_t failed) {
   std::lock_guard lock(guard_);
   for (Member& m : members) m.reported = clock;
-  groups_.push_back({std::move(members), reason, expired, patience});
+  groups_.push_back({std::move(members), reason, expired, patience, failed});
 }
 
 void Timeline::disarm() {
@@ -52,7 +52,7 @@ void Timeline::reported(size_t seat, uint32_t oid, bool can_trigger, uint32_t re
       if (member.seat == seat && member.oid == oid) {
         if (can_trigger)
           put_off(group, member, clock);
-        else if (!group.over && (reason == group.reason || reason == group.expired))
+        else if (!group.over && group.takes(reason))
           trigger(group, member, reason);
       }
 }

@@ -45,8 +45,11 @@ class Timeline {
   // These trsyncs trigger together: as soon as one has reported that it did, with `reason`, or with
   // `expired` because its timeout was not extended, the others get the command to trigger. They
   // expire when one of them has not reported for `patience` ticks, counted from `clock` at first.
+  // Reasons from `failed` up to kFailures later, if it is not 0, are errors of a sensor, and
+  // trigger them, too.
+  static constexpr uint32_t kFailures = 16;
   void arm(std::vector<Member> members, uint32_t reason, uint32_t expired, double clock,
-           double patience);
+           double patience, uint32_t failed = 0);
   void disarm();
   // A board's report of a trsync, made at a clock of the main board.
   void reported(size_t seat, uint32_t oid, bool can_trigger, uint32_t reason, double clock);
@@ -71,7 +74,12 @@ class Timeline {
     std::vector<Member> members;
     uint32_t reason, expired;
     double patience;
+    uint32_t failed;
     bool over = false;
+    bool takes(uint32_t why) const {
+      return why == reason || why == expired ||
+             (failed != 0 && why >= failed && why < failed + kFailures);
+    }
   };
   struct Mail {
     std::vector<Order> orders;

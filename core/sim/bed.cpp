@@ -1,5 +1,7 @@
 #include "sim/bed.hpp"
 
+#include <limits>
+
 #include "base/numbers.hpp"
 
 namespace passo::wire {
@@ -33,6 +35,13 @@ bool BedProbe::triggered(const double* q, Ticks clock) {
   return forced >= 0 ? forced > 0 : reads;
 }
 
+double BedProbe::gap(const double* q) const {
+  double p[3];
+  if (!nozzle(q, p)) return std::numeric_limits<double>::infinity();
+  const double x = p[0] + offset[0], y = p[1] + offset[1];
+  return gantry(x, y, p[2]) - bed.height(x, y);
+}
+
 bool BedProbe::touches(const double* q) {
   double p[3];
   if (!nozzle(q, p)) return false;
@@ -40,10 +49,9 @@ bool BedProbe::touches(const double* q) {
     if (area.holds(p[0], p[1])) return pressed = false;
   for (const Area& area : touchy)
     if (area.holds(p[0], p[1])) return pressed = true;
-  const double x = p[0] + offset[0], y = p[1] + offset[1];
-  const double gap = gantry(x, y, p[2]) - bed.height(x, y) - trigger - error;
-  if (!pressed) return pressed = gap <= 0;
-  if (gap > hysteresis) {
+  const double above = gap(q) - trigger - error;
+  if (!pressed) return pressed = above <= 0;
+  if (above > hysteresis) {
     pressed = false;
     error = sigma > 0 ? noise.next(sigma) : 0;
   }

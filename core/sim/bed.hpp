@@ -74,6 +74,9 @@ struct BedProbe {
   bool nozzle(const double* q, double p[3]) const { return geometry->forward(q, p); }
   // Z of the gantry at X, Y, if the geometry's Z is `z`.
   double gantry(double x, double y, double z) const;
+  // The height of the nozzle above the bed at the place of the probe, mm; infinite where the
+  // machine cannot be.
+  double gap(const double* q) const;
   // Whether the probe is triggered. The clock must not decrease from call to call.
   bool triggered(const double* q, Ticks clock);
 

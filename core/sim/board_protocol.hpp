@@ -68,6 +68,18 @@ enum class Command : int32_t {
   config_neopixel,
   neopixel_update,
   neopixel_send,
+  config_ldc1612,
+  config_ldc1612_with_intb,
+  query_ldc1612,
+  query_status_ldc1612,
+  ldc1612_attach_trigger_analog,
+  config_sos_filter,
+  sos_filter_set_offset_scale,
+  config_trigger_analog,
+  trigger_analog_set_raw_range,
+  trigger_analog_set_trigger,
+  trigger_analog_home,
+  trigger_analog_query_state,
   end_
 };
 enum class Report : int32_t {
@@ -92,6 +104,7 @@ enum class Report : int32_t {
   i2c_response,
   counter_state,
   neopixel_result,
+  trigger_analog_state,
 };
 
 struct Declaration {
@@ -179,6 +192,25 @@ inline constexpr Declaration kCommands[] = {
      "config_neopixel oid=%c pin=%u data_size=%hu bit_max_ticks=%u reset_min_ticks=%u"},
     {int(Command::neopixel_update), "neopixel_update oid=%c pos=%hu data=%*s"},
     {int(Command::neopixel_send), "neopixel_send oid=%c"},
+    {int(Command::config_ldc1612), "config_ldc1612 oid=%c i2c_oid=%c"},
+    {int(Command::config_ldc1612_with_intb),
+     "config_ldc1612_with_intb oid=%c i2c_oid=%c intb_pin=%c"},
+    {int(Command::query_ldc1612), "query_ldc1612 oid=%c rest_ticks=%u"},
+    {int(Command::query_status_ldc1612), "query_status_ldc1612 oid=%c"},
+    {int(Command::ldc1612_attach_trigger_analog),
+     "ldc1612_attach_trigger_analog oid=%c trigger_analog_oid=%c"},
+    {int(Command::config_sos_filter), "config_sos_filter oid=%c max_sections=%c"},
+    {int(Command::sos_filter_set_offset_scale),
+     "sos_filter_set_offset_scale oid=%c offset=%i scale=%i scale_frac_bits=%c auto_offset=%c"},
+    {int(Command::config_trigger_analog), "config_trigger_analog oid=%c sos_filter_oid=%c"},
+    {int(Command::trigger_analog_set_raw_range),
+     "trigger_analog_set_raw_range oid=%c raw_min=%i raw_max=%i"},
+    {int(Command::trigger_analog_set_trigger),
+     "trigger_analog_set_trigger oid=%c trigger_analog_type=%c trigger_value=%i"},
+    {int(Command::trigger_analog_home),
+     "trigger_analog_home oid=%c trsync_oid=%c trigger_reason=%c error_reason=%c clock=%u"
+     " monitor_ticks=%u monitor_max=%u"},
+    {int(Command::trigger_analog_query_state), "trigger_analog_query_state oid=%c"},
 };
 
 inline constexpr Declaration kReports[] = {
@@ -206,6 +238,7 @@ inline constexpr Declaration kReports[] = {
     {int(Report::i2c_response), "i2c_response oid=%c i2c_bus_status=%c response=%*s"},
     {int(Report::counter_state), "counter_state oid=%c next_clock=%u count=%u count_clock=%u"},
     {int(Report::neopixel_result), "neopixel_result oid=%c success=%c"},
+    {int(Report::trigger_analog_state), "trigger_analog_state oid=%c homing=%c homing_clock=%u"},
 };
 
 // Reasons for a shutdown. The number is sent as static_string_id.

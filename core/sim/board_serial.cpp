@@ -10,14 +10,6 @@ namespace {
 constexpr size_t kI2cHead = 4;  // bytes of an I2C report before the data
 }
 
-template <class T>
-T& SerialParts::get(uint32_t oid) {
-  auto it = parts_.find(oid);
-  T* part = it == parts_.end() ? nullptr : std::get_if<T>(&it->second);
-  if (!part) throw Shutdown{Fault::invalid_oid};
-  return *part;
-}
-
 bool BoardUart::send(Ticks now, Ticks rest, const Bytes& bits, size_t read, Plant& plant) {
   if (due_ != kNever) return false;
   if (bits.size() > kUartBytes || read > kUartBytes) throw Shutdown{Fault::uart_too_long};
@@ -150,7 +142,7 @@ std::optional<SerialParts::Part> SerialParts::made(Command id, const uint32_t* a
     if (a[2] > BoardLights::kMax) throw Shutdown{Fault::neopixel_size};
     return BoardLights(a[1], a[2]);
   }
-  return {};
+  return made_eddy(id, a);
 }
 
 Ticks SerialParts::next() const {
@@ -168,6 +160,10 @@ void SerialParts::run(Ticks now) {
     }
     if (auto* part_of = std::get_if<BoardAccelerometer>(&part); part_of && part_of->next() <= now)
       empty(oid, *part_of, now);
+    if (auto* eddy = std::get_if<BoardEddy>(&part); eddy && eddy->next() <= now)
+      read(oid, *eddy, now);
+    if (auto* trigger = std::get_if<BoardTrigger>(&part); trigger && trigger->next() <= now)
+      if (trigger->watch()) fail(*trigger, BoardTrigger::kSilent);
     auto* it = std::get_if<BoardThermocouple>(&part);
     if (!it || it->next() > now) continue;
     it->begin += it->rest;
@@ -183,6 +179,8 @@ void SerialParts::shut_down() {
   for (auto& [oid, part] : parts_) {
     if (auto* uart = std::get_if<BoardUart>(&part)) uart->take();
     if (auto* it = std::get_if<BoardAccelerometer>(&part)) it->begin = kNever;
+    if (auto* it = std::get_if<BoardEddy>(&part)) it->begin = kNever;
+    if (auto* it = std::get_if<BoardTrigger>(&part)) it->disarm();
   }
 }
 
@@ -211,6 +209,7 @@ uint32_t SerialParts::ask(const BoardThermocouple& it, std::optional<uint8_t> ad
 
 void SerialParts::command(Command id, const uint32_t* a, const Bytes& data, Ticks now,
                           const Ahead& ahead) {
+  if (eddy_command(id, a, now, ahead)) return;
   switch (id) {
     case Command::tmcuart_send:
       get<BoardUart>(a[0]).send(now, Ticks(kUartRest * clock_hz_), data, a[2], plant_);

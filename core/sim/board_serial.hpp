@@ -9,6 +9,7 @@
 #include <utility>
 #include <variant>
 
+#include "sim/board_eddy.hpp"
 #include "sim/board_protocol.hpp"
 #include "sim/simulated_device.hpp"
 
@@ -124,11 +125,14 @@ struct BoardLights {
 class SerialParts {
  public:
   using Part = std::variant<BoardUart, BoardSpi, BoardI2c, BoardThermocouple, BoardAccelerometer,
-                            BoardLights>;
+                            BoardLights, BoardEddy, BoardFilter, BoardTrigger>;
   using Tell = std::function<void(Report, std::initializer_list<uint32_t>, const Bytes*)>;
 
-  SerialParts(Plant& plant, double clock_hz, Tell tell)
-      : plant_(plant), clock_hz_(clock_hz), tell_(std::move(tell)) {}
+  // Triggers a trsync with a reason.
+  using Trip = std::function<void(uint32_t oid, uint32_t reason)>;
+
+  SerialParts(Plant& plant, double clock_hz, Tell tell, Trip trip)
+      : plant_(plant), clock_hz_(clock_hz), tell_(std::move(tell)), trip_(std::move(trip)) {}
 
   static bool knows(Command id) { return id >= Command::config_tmcuart; }
   bool has(uint32_t oid) const { return parts_.count(oid) > 0; }
@@ -150,14 +154,31 @@ class SerialParts {
   Plant& plant_;
   double clock_hz_;
   Tell tell_;
+  Trip trip_;
   std::map<uint32_t, Part> parts_;
 
   void empty(uint32_t oid, BoardAccelerometer& it, Ticks now);
+  // Eddy current sensors and their triggers, in eddy_parts.cpp. made_eddy() and eddy_command() do
+  // nothing for other commands.
+  std::optional<Part> made_eddy(Command id, const uint32_t* a);
+  bool eddy_command(Command id, const uint32_t* a, Ticks now, const Ahead& ahead);
+  void read(uint32_t oid, BoardEddy& it, Ticks now);
+  std::optional<uint32_t> eddy_register(const BoardEddy& it, uint8_t address, Ticks now);
+  void check(BoardTrigger& it, uint32_t raw, Ticks now);
+  void fail(BoardTrigger& it, uint32_t error);
   // Reads this number of bytes from a register, or from a converter without registers.
   uint32_t ask(const BoardThermocouple& it, std::optional<uint8_t> address, size_t bytes,
                Ticks now);
   template <class T>
   T& get(uint32_t oid);
 };
+
+template <class T>
+T& SerialParts::get(uint32_t oid) {
+  auto it = parts_.find(oid);
+  T* part = it == parts_.end() ? nullptr : std::get_if<T>(&it->second);
+  if (!part) throw Shutdown{Fault::invalid_oid};
+  return *part;
+}
 
 }  // namespace passo::wire

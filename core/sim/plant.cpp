@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace passo::wire {
@@ -208,12 +209,23 @@ bool Plant::level(uint32_t pin, Ticks clock, const Position& position) {
   }
   for (BedProbe& probe : probes) {
     if (probe.pin != pin) continue;
-    std::vector<double> q;
-    for (uint32_t step_pin : probe.motors) q.push_back(position(step_pin));
-    for (Lift& lift : probe.lifts) lift.position = position(lift.motor);
+    const std::vector<double> q = felt_by(probe, position);
     return probe.triggered(q.data(), clock) == probe.pressed_level;
   }
   return true;  // an input that is not connected: the pull-up wins
+}
+
+double Plant::gap(uint32_t probe_pin, const Position& position) {
+  for (BedProbe& probe : probes)
+    if (probe.pin == probe_pin) return probe.gap(felt_by(probe, position).data());
+  return std::numeric_limits<double>::infinity();
+}
+
+std::vector<double> Plant::felt_by(BedProbe& probe, const Position& position) {
+  std::vector<double> q;
+  for (uint32_t step_pin : probe.motors) q.push_back(position(step_pin));
+  for (Lift& lift : probe.lifts) lift.position = position(lift.motor);
+  return q;
 }
 
 }  // namespace passo::wire

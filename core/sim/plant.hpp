@@ -121,6 +121,9 @@ class Plant {
   using Position = std::function<double(uint32_t step_pin)>;
   // The level of an input pin. position(step_pin) returns an actuator position.
   bool level(uint32_t pin, Ticks clock, const Position& position);
+  // The height of the nozzle above the bed at the place of the probe on this pin, mm; infinite if
+  // there is none, or the machine cannot be there.
+  double gap(uint32_t probe_pin, const Position& position);
   // Parts that detect the position of the head take a sample. next_look(): clock of the next
   // sample.
   void look(Ticks clock, const Position& position);
@@ -153,6 +156,8 @@ class Plant {
   uint32_t random_ = 1;
 
   Actuator* actuator(uint32_t step_pin);
+  // The positions of the motors of a probe.
+  static std::vector<double> felt_by(BedProbe& probe, const Position& position);
   void look_at_docks(const Position& position);
   void look_at_loads(const Position& position);
   // A random number from -1 to 1, the same on every computer: linear congruential generator

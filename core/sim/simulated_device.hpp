@@ -92,6 +92,8 @@ class Bench : public Device {
   std::weak_ptr<Bench*> handle() const { return self_; }
   // Moves a motor's actuator, as if by hand.
   void place(uint32_t step_pin, double position);
+  // The height of the nozzle above the bed at the place of the probe on this pin, mm.
+  double gap(uint32_t probe_pin) { return plant_.gap(probe_pin, felt_); }
 
  private:
   std::shared_ptr<Bench*> self_ = std::make_shared<Bench*>(this);

@@ -32,10 +32,12 @@ T& VirtualBoard::get(uint32_t oid) {
 
 VirtualBoard::VirtualBoard(Options options)
     : Bench(options.clock_hz, options.adc_max, options.start), options_(std::move(options)),
-      serial_(plant_, options_.clock_hz,
-              [this](Report id, std::initializer_list<uint32_t> values, const Bytes* blob) {
-                report(id, values, blob);
-              }) {
+      serial_(
+          plant_, options_.clock_hz,
+          [this](Report id, std::initializer_list<uint32_t> values, const Bytes* blob) {
+            report(id, values, blob);
+          },
+          [this](uint32_t oid, uint32_t reason) { trigger(oid, reason); }) {
   for (const Declaration& d : kCommands) {
     Format format(d.id, d.text);
     Shape& shape = shapes_[size_t(d.id)];

@@ -552,9 +552,9 @@ class Timeline:
 
     def __init__(self) -> None: ...
 
-    def arm(self, members: Sequence[tuple[int, int]], reason: int, expired: int, clock: float, patience: float) -> None:
+    def arm(self, members: Sequence[tuple[int, int]], reason: int, expired: int, clock: float, patience: float, failed: int = 0) -> None:
         """
-        These trsyncs, (number of the link, oid), trigger together: with `reason` when one has triggered, or with `expired` when one has not reported for `patience` ticks.
+        These trsyncs, (number of the link, oid), trigger together: with `reason` when one has triggered, or with `expired` when one has not reported for `patience` ticks. Sixteen reasons from `failed` on, if it is not 0, are errors of a sensor.
         """
 
     def disarm(self) -> None: ...
@@ -1487,6 +1487,43 @@ class LedChip:
 def add_i2c_accelerometer(bench: Bench, clock_pin: int, data_pin: int, address: int, kind: AccelerometerKind, clock_hz: float) -> AccelerometerChip:
     """
     Connects an accelerometer, which lies still, to the I2C bus on these pins.
+    """
+
+class Ldc1612Chip:
+    """A simulated LDC1612 with a coil above the bed."""
+
+    def frequency(self, mm: float) -> float:
+        """The frequency of the coil at a distance from the bed, Hz."""
+
+    @property
+    def plugged(self) -> bool: ...
+
+    @plugged.setter
+    def plugged(self, arg: bool, /) -> None: ...
+
+    @property
+    def open(self) -> bool:
+        """The coil is broken."""
+
+    @open.setter
+    def open(self, arg: bool, /) -> None: ...
+
+    @property
+    def celsius(self) -> float:
+        """The temperature of the coil."""
+
+    @celsius.setter
+    def celsius(self, arg: float, /) -> None: ...
+
+    @property
+    def noise_hz(self) -> float: ...
+
+    @noise_hz.setter
+    def noise_hz(self, arg: float, /) -> None: ...
+
+def add_ldc1612(bench: Bench, clock_pin: int, data_pin: int, address: int, probe_pin: int, clock_hz: float) -> Ldc1612Chip:
+    """
+    Connects an LDC1612 to the I2C bus on these pins. Its coil is the probe on `probe_pin`.
     """
 
 def add_led_chip(bench: Bench, clock_pin: int, data_pin: int, address: int) -> LedChip:

@@ -184,11 +184,64 @@ def test_axis_without_a_switch_has_the_end_that_its_owner_moves_it_to(load) -> N
     assert machine.homing["x"].retract == 3
     assert "approaches its endstop twice" in "".join(remarks(draft, "changed"))
     unknown = "endstop_pin: PA7", "endstop_pin: probe:z_virtual_endstop"
-    draft, machine = load(unknown, more="[probe_eddy_current a]\nsensor_type: ldc1612\n")
+    draft, machine = load(unknown, more="[beacon]\nserial: /dev/beacon\n")
     assert "z" not in machine.homing
     asked = "".join(remarks(draft, "decide"))
     assert "Passo does not have this probe" in asked
-    assert "[probe_eddy_current a]: Passo does not read this probe" in asked
+    assert "[beacon]: Passo does not read this probe" in asked
+
+
+_EDDY = """[mcu EDDY]
+serial: /dev/serial/by-id/usb-Klipper_rp2040_eddy
+[probe_eddy_current btt eddy]
+sensor_type: ldc1612
+i2c_mcu: EDDY
+i2c_bus: i2c0f
+x_offset: -16
+y_offset: 11.5
+reg_drive_current: 16
+samples: 2
+"""
+_STORED = """
+#*# <---------------------- SAVE_CONFIG ---------------------->
+#*# [probe_eddy_current btt eddy]
+#*# z_offset = 2.5
+#*# calibrate =
+#*# 	0.050000:3285399.885,0.990000:3264149.144,
+#*# 	2.890000:3232857.556
+"""
+
+
+def test_eddy_probe_comes_with_its_calibration(load) -> None:
+    by_probe = "endstop_pin: PA7", "endstop_pin: probe:z_virtual_endstop"
+    _, machine = load(by_probe, more=_EDDY + _STORED)
+    probe = machine.probe
+    assert probe.kind == "eddy" and probe.name == "btt_eddy" and probe.i2c_bus == "EDDY:i2c0f"
+    assert probe.trigger_height_mm == 2.5 and probe.offset_mm == [-16, 11.5]
+    assert probe.drive_current == 16 and probe.samples == 2
+    assert [(p.mm, p.hz) for p in probe.calibration][::2] == [
+        (0.05, 3285399.885),
+        (2.89, 3232857.556),
+    ]
+    assert machine.homing["z"].probe and machine.boards["EDDY"].port == _EDDY.split()[3]
+
+
+@pytest.mark.parametrize(
+    ("section", "says"),
+    [
+        (
+            "[probe_eddy_ng a]\nsensor_type: btt_eddy\ni2c_bus: i2c0f\n",
+            "PROBE_EDDY_CURRENT_CALIBRATE",
+        ),
+        ("[probe_eddy_ng a]\nsensor_type: cartographer\n", "does not read the chip cartographer"),
+        ("[probe_eddy_current a]\nsensor_type: ldc1612\n", "give [probe] its i2c_bus"),
+    ],
+)
+def test_other_eddy_probes_say_what_is_left_to_do(load, section, says) -> None:
+    draft, machine = load(more=section)
+    told = "".join(remarks(draft, "decide") + remarks(draft, "changed"))
+    assert says in told
+    assert (machine.probe is None) == ("PROBE_EDDY" not in says)
 
 
 STALL = """[tmc2209 stepper_x]

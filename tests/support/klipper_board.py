@@ -48,6 +48,30 @@ ACCELEROMETERS = {
         " possible_overflows=%hu": 87,
     },
 }
+# Words of builds with eddy current sensors: those of all, and those of 2026 in place of a trigger
+# for this chip alone.
+EDDIES = {
+    "config_ldc1612 oid=%c i2c_oid=%c": 90,
+    "config_ldc1612_with_intb oid=%c i2c_oid=%c intb_pin=%c": 91,
+    "query_ldc1612 oid=%c rest_ticks=%u": 92,
+    "query_status_ldc1612 oid=%c": 93,
+}
+OLDER_TRIGGER = {
+    "ldc1612_setup_home oid=%c clock=%u threshold=%u trsync_oid=%c trigger_reason=%c"
+    " error_reason=%c": 94,
+}
+TRIGGERS = {
+    "ldc1612_attach_trigger_analog oid=%c trigger_analog_oid=%c": 94,
+    "config_sos_filter oid=%c max_sections=%c": 95,
+    "sos_filter_set_offset_scale oid=%c offset=%i scale=%i scale_frac_bits=%c auto_offset=%c": 96,
+    "config_trigger_analog oid=%c sos_filter_oid=%c": 97,
+    "trigger_analog_set_raw_range oid=%c raw_min=%i raw_max=%i": 98,
+    "trigger_analog_set_trigger oid=%c trigger_analog_type=%c trigger_value=%i": 99,
+    "trigger_analog_home oid=%c trsync_oid=%c trigger_reason=%c error_reason=%c clock=%u"
+    " monitor_ticks=%u monitor_max=%u": 100,
+    "trigger_analog_query_state oid=%c": 101,
+}
+TRIGGER_STATE = {"trigger_analog_state oid=%c homing=%c homing_clock=%u": 102}
 # Of another chip: its constants and pins.
 STM32 = {
     "config": {
@@ -141,6 +165,9 @@ def dictionary(*, chip: str, newer: bool) -> dict[str, Any]:
             made[part] = {words.get(text, text): n for text, n in made[part].items()}
             made[part].pop(OLDER_I2C, None)
             made[part] |= ACCELEROMETERS[part]
+        made["commands"] |= EDDIES | TRIGGERS
+        made["responses"] |= TRIGGER_STATE
+        made["enumerations"]["trigger_analog_type"] = {"abs_ge": 0, "gt": 1, "diff_peak_gt": 2}
     return made
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from statistics import fmean
 from typing import TYPE_CHECKING
 
+from passo.board.bulk_samples import BulkSamples
 from passo.board.chip_registers import I2cRegisters, NotAcknowledgedError, SpiRegisters
 from passo.board.description import I2cPins, SpiPins
 from passo.errors import CommandError
@@ -15,12 +15,8 @@ from passo.resonance.measurement import SAMPLE_BYTES, AccelerometerChip, Measure
 if TYPE_CHECKING:
     from passo.board.connection import Connection
     from passo.board.description import Accelerometer
-    from passo.board.exchange import Values
 
 _RESTS = 4  # the board empties the FIFO of the chip each time it has this number of samples
-_SEQUENCES = 1 << 16
-_BLOCK_BYTES = 51
-_SLOW = 2.0  # a status that took this many times as long as the quickest one has no exact clock
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +63,6 @@ class AccelerometerReader:
         self._connection, self._part, self._base = connection, part, base
         self._chip = CHIPS[part.chip]
         self._sample_bytes = SAMPLE_BYTES[part.chip]
-        self._block_samples = _BLOCK_BYTES // self._sample_bytes
         self._rate_hz = part.rate_hz or max(self._chip.rates)
         self._oid = connection.oids.accelerometers[part.wire]
         self._registers = (
@@ -75,10 +70,17 @@ class AccelerometerReader:
             if isinstance(part.wire, SpiPins)
             else I2cRegisters(connection, part.wire)
         )
-        self._blocks: list[bytes] = []
-        self._points: list[tuple[float, int, int]] = []  # clock, samples before it, ticks it took
-        self.lost = 0  # samples that did not arrive
-        self.overflows = 0  # of the FIFO of the chip: each has lost a sample
+        self._samples = BulkSamples(self._sample_bytes)
+
+    @property
+    def lost(self) -> int:
+        """The samples that did not arrive."""
+        return self._samples.lost
+
+    @property
+    def overflows(self) -> int:
+        """The overflows of the FIFO of the chip: each has lost a sample."""
+        return self._samples.overflows
 
     @property
     def place(self) -> str:
@@ -100,7 +102,7 @@ class AccelerometerReader:
         for register, value in self._chip.setup:
             self._write(register, value)
         self._connection.take_responses("sensor_bulk_data", "sensor_bulk_status")
-        self._blocks, self._points, self.lost, self.overflows = [], [], 0, 0
+        self._samples = BulkSamples(self._sample_bytes)
         *first, last = (self._chip.rates[self._rate_hz], *self._chip.measure)
         for register, value in first:
             self._write(register, value)
@@ -125,9 +127,11 @@ class AccelerometerReader:
         self._write(*self._chip.stop)
         self._query(0)
         self._take()
-        data = b"".join(self._blocks)
+        data = self._samples.data
         count = len(data) // self._sample_bytes
-        start, rate_hz = self._times()
+        start_ticks, per_tick = self._samples.times()
+        hz = self._connection.wire.hz
+        start, rate_hz = start_ticks / hz, per_tick * hz
         if count < 2 or rate_hz <= 0:
             raise CommandError.of("resonance.short", value=count, limit=2)
         return Measurement(self._part.chip, self._part.axes, data, start, rate_hz)
@@ -145,50 +149,7 @@ class AccelerometerReader:
         self._connection.command(f"{name} oid={self._oid}{at} rest_ticks={rest_ticks}")
 
     def _take(self) -> None:
-        names = ("sensor_bulk_data", "sensor_bulk_status")
-        for name, values in self._connection.take_responses(*names):
-            if values["oid"] != self._oid:
-                continue
-            if name == "sensor_bulk_data":
-                self._take_block(values)
-            else:
-                self._take_state(values)
-
-    def _take_block(self, values: Values) -> None:
-        data, sequence = values["data"], values["sequence"]
-        assert isinstance(data, bytes) and isinstance(sequence, int)
-        size = self._block_samples * self._sample_bytes
-        missing = (sequence - len(self._blocks)) % _SEQUENCES
-        if missing >= _SEQUENCES // 2:
-            return  # of an earlier measurement
-        self.lost += missing * self._block_samples
-        self._blocks += [self._blocks[-1] if self._blocks else bytes(size)] * missing
-        self._blocks.append(data)
-
-    def _take_state(self, values: Values) -> None:
-        clock, sequence, buffered, ticks = (
-            int(values[key]) for key in ("clock", "next_sequence", "buffered", "query_ticks")
-        )
-        blocks = len(self._blocks) + (sequence - len(self._blocks) + _SEQUENCES // 2) % _SEQUENCES
-        blocks -= _SEQUENCES // 2
-        samples = blocks * self._block_samples + buffered // self._sample_bytes
-        self.overflows = int(values["possible_overflows"])
-        main = self._connection.main_clock(clock & 0xFFFFFFFF)
-        self._points.append((main - self._base, samples, ticks))
-
-    def _times(self) -> tuple[float, float]:
-        """Print time of the first sample, s, and the rate, Hz: a line through the states that the
-        board has read quickly. The last of the samples so far was taken half an interval before,
-        on average."""
-        hz = self._connection.wire.hz
-        quickest = min((ticks for _, _, ticks in self._points), default=0)
-        used = [(c / hz, n - 0.5) for c, n, ticks in self._points if ticks <= _SLOW * quickest]
-        if len(used) < 2:
-            return 0.0, 0.0
-        mean_t, mean_n = fmean(t for t, _ in used), fmean(n for _, n in used)
-        square = sum((t - mean_t) ** 2 for t, _ in used)
-        rate_hz = sum((t - mean_t) * (n - mean_n) for t, n in used) / square if square else 0.0
-        return (mean_t - mean_n / rate_hz if rate_hz else 0.0), rate_hz
+        self._samples.take(self._connection, self._oid, self._base)
 
     def _register(self, address: int) -> int:
         try:

@@ -1,4 +1,4 @@
-"""The registers of a chip on a bus of a board, each of one byte. Calls that ask the board let time
+"""The registers of a chip on a bus of a board. Calls that ask the board let time
 pass and raise MachineError."""
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ class NotAcknowledgedError(Exception):
 
 
 class SpiRegisters:
-    """The registers of a chip on SPI; the upper bit of an address means that it is read."""
+    """The registers of a chip on SPI, each of one byte; the upper bit of an address means that it
+    is read."""
 
     def __init__(self, connection: Connection, wire: SpiPins) -> None:
         self._connection = connection
@@ -35,24 +36,26 @@ class SpiRegisters:
 
 
 class I2cRegisters:
-    """The registers of a chip on I2C. Klipper's firmware before August 2025 has other commands; it
-    shuts down where newer firmware reports a status."""
+    """The registers of a chip on I2C, each of `size` bytes. Klipper's firmware before August 2025
+    has other commands; it shuts down where newer firmware reports a status."""
 
-    def __init__(self, connection: Connection, wire: I2cPins) -> None:
-        self._connection = connection
+    def __init__(self, connection: Connection, wire: I2cPins, size: int = 1) -> None:
+        self._connection, self._size = connection, size
         self._oid = connection.oids.i2c_devices[wire]
         self._reports_status = not connection.dictionary.takes("i2c_read", "reg")
 
     def read(self, address: int) -> int:
         """Asks for a register. Raises NotAcknowledgedError."""
         if self._reports_status:
-            return self._transfer(f"write={address:02x} read_len=1")[0]
-        question = f"i2c_read oid={self._oid} reg={address:02x} read_len=1"
-        return _bytes(self._connection.ask(question, "i2c_read_response"))[0]
+            found = self._transfer(f"write={address:02x} read_len={self._size}")
+        else:
+            question = f"i2c_read oid={self._oid} reg={address:02x} read_len={self._size}"
+            found = _bytes(self._connection.ask(question, "i2c_read_response"))
+        return int.from_bytes(found, "big")
 
     def send(self, address: int, value: int) -> None:
         """Writes a register. Raises NotAcknowledgedError."""
-        data = f"{address:02x}{value:02x}"
+        data = f"{address:02x}{value:0{2 * self._size}x}"
         if self._reports_status:
             self._transfer(f"write={data} read_len=0")
         else:

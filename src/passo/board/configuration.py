@@ -10,6 +10,7 @@ from typing import TypeVar
 from passo import _core
 from passo.board.description import (
     BoardDescription,
+    Eddy,
     Heater,
     I2cPins,
     Input,
@@ -42,9 +43,9 @@ _FAST_HZ = 20_000_000
 class Oids:
     """The object number of each part of the board, in this order: steppers, outputs, sensors,
     endstops, trsyncs, UARTs, SPI devices, I2C devices, accelerometers, groups of inputs, analog
-    inputs, counters, chains of lights. A trsync is the group of motors on this board that one
-    endstop stops; the endstop may be on another board. UARTs, devices and accelerometers are found
-    by their pins."""
+    inputs, counters, chains of lights, eddy current sensors with their triggers and filters. A
+    trsync is the group of motors on this board that one endstop stops; the endstop may be on
+    another board. UARTs, devices and accelerometers are found by their pins."""
 
     steppers: dict[str, int]
     outputs: dict[str, int]
@@ -59,6 +60,9 @@ class Oids:
     analog_inputs: dict[str, int]
     counters: dict[str, int]
     chains: dict[str, int]
+    eddies: dict[str, int]
+    triggers: dict[str, int]
+    filters: dict[str, int]
     count: int
 
     @classmethod
@@ -77,7 +81,9 @@ class Oids:
             numbered(o.name for o in board.outputs),
             numbered(s.name for s in board.sensors),
             numbered(e.name for e in board.endstops),
-            numbered([*(e.name for e in board.endstops), *board.endstops_elsewhere]),
+            numbered(
+                [e.name for e in (*board.endstops, *board.eddies)] + [*board.endstops_elsewhere]
+            ),
             numbered(board.uarts),
             numbered(board.spi_devices),
             numbered(board.i2c_devices),
@@ -86,6 +92,9 @@ class Oids:
             numbered(a.name for a in board.analog_inputs),
             numbered(c.name for c in board.counters),
             numbered(light.name for light in board.chains),
+            numbered(e.name for e in board.eddies),
+            numbered(e.name for e in board.eddies),
+            numbered(e.name for e in board.eddies),
             count,
         )
 
@@ -188,6 +197,8 @@ def commands(board: BoardDescription, dictionary: Dictionary) -> list[str]:
         f" reset_min_ticks={int(RESET_S * board.clock_hz)}"
         for light in board.chains
     ]
+    for e in board.eddies:
+        lines += _eddy(e, oids, dictionary)
     return lines
 
 
@@ -233,6 +244,29 @@ def _i2c_device(pins: I2cPins, oid: int, clock_hz: int, dictionary: Dictionary) 
     else:  # older firmware
         bus = f"i2c_set_software_bus oid={oid} {wires} rate={pins.hz} address={pins.address}"
     return [f"config_i2c oid={oid}", bus]
+
+
+def has_triggers(dictionary: Dictionary) -> bool:
+    """Whether a board compares the values of all its sensors in one way. Klipper's firmware before
+    2026 has commands of its own for each."""
+    return dictionary.takes("config_trigger_analog", "sos_filter_oid")
+
+
+def _eddy(part: Eddy, oids: Oids, dictionary: Dictionary) -> list[str]:
+    oid, bus = oids.eddies[part.name], oids.i2c_devices[part.wire]
+    if part.intb_pin:
+        first = f"config_ldc1612_with_intb oid={oid} i2c_oid={bus} intb_pin={bare(part.intb_pin)}"
+    else:
+        first = f"config_ldc1612 oid={oid} i2c_oid={bus}"
+    if not has_triggers(dictionary):
+        return [first]
+    trigger, filtered = oids.triggers[part.name], oids.filters[part.name]
+    return [
+        first,
+        f"config_sos_filter oid={filtered} max_sections=0",
+        f"config_trigger_analog oid={trigger} sos_filter_oid={filtered}",
+        f"ldc1612_attach_trigger_analog oid={oid} trigger_analog_oid={trigger}",
+    ]
 
 
 def _output(output: Output, oid: int, full: int) -> list[str]:

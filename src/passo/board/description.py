@@ -177,6 +177,19 @@ class Accelerometer:
 
 
 @dataclass(frozen=True, slots=True)
+class Eddy:
+    """An LDC1612, which measures the frequency of a coil above the bed, as an endstop `name` that
+    triggers at a frequency. `hz` is the clock of the chip, and `divider` divides the frequency of
+    the coil. The chip reports a new value on `intb_pin`, if there is one."""
+
+    name: str
+    wire: I2cPins
+    hz: int = 12_000_000
+    divider: int = 2
+    intb_pin: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class Heater:
     """A heating output and its sensor. The outputs `further` switch with `output`. `limits` are its
     protections. The protection against model deviation needs the thermal `model`, unless `control`
@@ -298,6 +311,7 @@ class BoardDescription:
     drivers: tuple[Driver, ...] = ()
     settings: tuple[Setting, ...] = ()
     accelerometers: tuple[Accelerometer, ...] = ()
+    eddies: tuple[Eddy, ...] = ()
     move_count: int = 1024
     mcu: str = "atmega2560"
     survives: bool | None = None
@@ -367,7 +381,8 @@ class BoardDescription:
     @property
     def i2c_devices(self) -> tuple[I2cPins, ...]:
         """All devices on I2C buses."""
-        wires = (part.wire for part in (*self.accelerometers, *self.lights, *self.i2c_sensors))
+        parts = (*self.accelerometers, *self.lights, *self.i2c_sensors, *self.eddies)
+        wires = (part.wire for part in parts)
         return tuple(wire for wire in wires if isinstance(wire, I2cPins))
 
     @property
@@ -387,6 +402,7 @@ class BoardDescription:
             *(a.pin for a in self.analog_inputs),
             *(c.pin for c in self.counters),
             *(light.wire for light in self.lights if isinstance(light.wire, str)),
+            *(e.intb_pin for e in self.eddies if e.intb_pin),
             *{
                 bare(pin): pin
                 for wire in (*self.uarts, *self.spi_devices, *self.i2c_devices)
@@ -441,6 +457,7 @@ def together(boards: Mapping[str, BoardDescription]) -> BoardDescription:
         counters=tuple(counters),
         lights=tuple(lights),
         i2c_sensors=tuple(sensor for board in boards.values() for sensor in board.i2c_sensors),
+        eddies=tuple(eddy for board in boards.values() for eddy in board.eddies),
         endstops_elsewhere=(),
         stepper_targets=(),
         output_targets=(),

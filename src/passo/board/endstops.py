@@ -7,13 +7,17 @@ from collections.abc import Mapping, Sequence
 from passo.board.boards import Boards
 from passo.board.connection import Connection
 from passo.board.description import inverted
+from passo.board.eddy import EddyReader
 from passo.board.exchange import Values
+from passo.errors import CommandError
 
 _NONE: Mapping[str, Sequence[str]] = {}
 _SAMPLE_S = 15e-6  # interval of the samples that must agree
 _SAMPLES = 4
 _REPORT_S = 0.1  # interval of the state reports of a group
-_REASONS = 127  # each search has its own reason, so that a late report does not end the next search
+_REASONS = 60  # each search has its own reason, so that a late report does not end the next search
+_FAILED = 64  # the first of 16 reasons for errors of a sensor
+_FAILURES = 16
 _EXPIRED = 128  # added to the reason when a board of the group was silent for too long
 _SHARED_REPORT_S = 0.01  # interval of the state reports of a group of several boards
 _SHARED_TIMEOUT_S = 0.05  # its motors stop when another board is silent for longer
@@ -38,9 +42,17 @@ class Endstops:
         # armed endstops that triggered, with the clock at which their motors stopped
         self.hit: dict[str, int] = {}
         self.expired: set[str] = set()  # armed endstops whose boards have lost each other
+        self.failed: dict[str, CommandError] = {}  # armed sensors that have failed
+        # The sensors that are endstops, by their names.
+        self.eddies = {
+            part.name: EddyReader(connection, part)
+            for connection in boards.connections
+            for part in connection.board.eddies
+        }
 
     def _board(self, name: str) -> Connection:
-        return self._boards.connection_of("endstops", name)
+        part = "eddies" if name in self.eddies else "endstops"
+        return self._boards.connection_of(part, name)
 
     def _is_low(self, name: str) -> bool:
         """Whether the endstop reads low when triggered."""
@@ -48,7 +60,10 @@ class Endstops:
         return inverted(pin)
 
     def pressed(self, name: str) -> bool:
-        """Asks the board whether the endstop is triggered. Lets time pass; raises MachineError."""
+        """Asks the board whether the endstop is triggered. Lets time pass; raises MachineError, and
+        CommandError for a sensor that fails."""
+        if name in self.eddies:
+            return self.eddies[name].near()
         return bool(self._state(name)["pin_value"]) != self._is_low(name)
 
     def _state(self, name: str) -> Values:
@@ -70,7 +85,7 @@ class Endstops:
         board samples every `rest_s` seconds. After this call, do not
         set the motors' clocks: a stopped motor would continue."""
         self._rest_s = rest_s
-        self._armed, self.hit, self.expired = {}, {}, set()
+        self._armed, self.hit, self.expired, self.failed = {}, {}, set(), {}
         self._also = []
         self._reason = self._reason % _REASONS + 1
         for connection in self._boards.connections:
@@ -93,6 +108,7 @@ class Endstops:
                     self._reason + _EXPIRED,
                     float(clock),
                     _SHARED_TIMEOUT_S * self._boards.board.clock_hz,
+                    _FAILED if name in self.eddies else 0,
                 )
             self._home(own, name, name, clock, opening=opening)
             for other in also.get(name, ()):
@@ -120,8 +136,11 @@ class Endstops:
                 board.command(f"stepper_stop_on_trigger oid={oid} trsync_oid={group}")
 
     def _home(self, board: Connection, name: str, group: str, clock: int, *, opening: bool) -> None:
-        level = int(self._is_low(name) == opening)
         hz, begin = board.board.clock_hz, board.link.own_clock(clock)
+        if name in self.eddies:
+            self.eddies[name].arm(board.oids.trsyncs[group], self._reason, _FAILED, begin)
+            return
+        level = int(self._is_low(name) == opening)
         board.command(
             f"endstop_home oid={board.oids.endstops[name]} clock={begin & 0xFFFFFFFF}"
             f" sample_ticks={int(_SAMPLE_S * hz)} sample_count={_SAMPLES}"
@@ -147,6 +166,10 @@ class Endstops:
                         self.hit[name] = connection.main_clock(int(values["clock"]))
                 elif values["trigger_reason"] == self._reason + _EXPIRED:
                     self.expired.add(name)
+                elif connection is self._board(name) and name in self.eddies:
+                    number = int(values["trigger_reason"]) - _FAILED
+                    if 0 <= number < _FAILURES and name not in self.failed:
+                        self.failed[name] = self.eddies[name].error(number)
         return self.hit.keys() == self._armed.keys()
 
     def hit_clock(self, name: str) -> int:
@@ -162,6 +185,9 @@ class Endstops:
         """Disarms the endstops: they stop no motor any more."""
         self._boards.timeline.disarm()
         for name, group in (*((name, name) for name in self._armed), *self._also):
+            if name in self.eddies:
+                self.eddies[name].disarm()
+                continue
             own = self._board(group)
             own.command(
                 f"endstop_home oid={own.oids.endstops[name]} clock=0 sample_ticks=0 sample_count=0"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
+from passo.board.configuration import has_triggers
 from passo.board.description import BoardDescription
 from passo.board.dictionary import Dictionary, DictionaryError
 
@@ -80,6 +81,26 @@ _COUNTERS = _Words(
 _CHAINS = _Words(
     ("neopixel_update oid pos data", "neopixel_send oid"), ("neopixel_result oid success",)
 )
+_TRIGGERS = _Words(
+    (
+        "sos_filter_set_offset_scale oid offset scale scale_frac_bits auto_offset",
+        "trigger_analog_set_raw_range oid raw_min raw_max",
+        "trigger_analog_set_trigger oid trigger_analog_type trigger_value",
+        "trigger_analog_home oid trsync_oid trigger_reason error_reason clock monitor_ticks"
+        " monitor_max",
+    ),
+    (),
+)
+_OLDER_TRIGGER = _Words(
+    ("ldc1612_setup_home oid clock threshold trsync_oid trigger_reason error_reason",), ()
+)
+_EDDIES = _Words(
+    ("query_ldc1612 oid rest_ticks",),
+    (
+        "sensor_bulk_data oid sequence data",
+        "sensor_bulk_status oid clock query_ticks next_sequence buffered possible_overflows",
+    ),
+)
 _OLDER_I2C = _Words(
     ("i2c_write oid data", "i2c_read oid reg read_len"), ("i2c_read_response oid response",)
 )
@@ -106,7 +127,7 @@ def _needed(board: BoardDescription, dictionary: Dictionary) -> Iterator[_Words]
     yield _ALWAYS
     if board.steppers:
         yield _STEPPERS
-    if board.endstops or board.endstops_elsewhere:
+    if board.endstops or board.eddies or board.endstops_elsewhere:
         yield _ENDSTOPS
     if board.analog_inputs or any(sensor.spi is None for sensor in board.sensors):
         yield _SENSORS
@@ -126,6 +147,9 @@ def _needed(board: BoardDescription, dictionary: Dictionary) -> Iterator[_Words]
         yield _COUNTERS
     if board.chains:
         yield _CHAINS
+    if board.eddies:
+        yield _EDDIES
+        yield _TRIGGERS if has_triggers(dictionary) else _OLDER_TRIGGER
     if board.i2c_devices:
         yield _OLDER_I2C if dictionary.takes("i2c_read", "reg") else _I2C
 

@@ -89,6 +89,33 @@ PROBE: Mapping[str, Entry] = {
         "{axis} was not measured: at {value} the samples differ by {position} (limit {limit})",
         "Clean the nozzle and the bed, check that the probe is not loose, or raise tolerance_mm",
     ),
+    "probe.not-calibrated": _probe(
+        "the eddy current probe has no calibration, so that its frequencies have no heights",
+        "Home X and Y, bring the nozzle near the bed, and send PROBE_EDDY_CURRENT_CALIBRATE",
+    ),
+    "probe.out-of-range": _probe(
+        "the frequency of the probe, {value}, is outside of its calibration, from {limit}",
+        "Measure nearer to the bed. If the bed or the coil was changed, send"
+        " PROBE_EDDY_CURRENT_CALIBRATE",
+    ),
+    "probe.no-touch": _probe(
+        "an eddy current probe does not touch, so that it cannot find a part",
+        "Use a probe with a switch for G38",
+    ),
+    "probe.no-answer": _probe(
+        "the probe at address 0x{address:02x} of {value} does not answer: {found}",
+        "Check its cable, its supply, and i2c_address in [probe]",
+    ),
+    "probe.other-chip": _probe(
+        "the chip at {value} identifies itself as 0x{found:04x}, but an LDC1612 would be"
+        " 0x{wanted:04x}",
+        "Check the cable of the probe, and its pins in [probe]",
+    ),
+    "probe.sensor": _probe(
+        "the probe at {value} cannot be used: {found}",
+        "Check the cable and the coil of the probe, then send LDC_CALIBRATE_DRIVE_CURRENT far from"
+        " the bed",
+    ),
     "probe.lost": _probe(
         "{axis} was not measured: the boards of the probe and of a motor lost their connection",
         "Check the cables of the boards, and whether other programs keep this computer busy",

@@ -15,7 +15,8 @@ from passo.config.motor_roles import Drive, Driven, axis_order
 from passo.config.pin_names import MAIN, bare, placed, section
 from passo.config.sensors import CONVERTERS, Converter
 from passo.config.trinamic import CHIPS, chip_of
-from passo.probes.base import SensingProbe
+from passo.probes.base import SwitchProbe
+from passo.probes.eddy import EddyProbe
 
 if TYPE_CHECKING:
     from passo.config.board import Board
@@ -212,7 +213,10 @@ def bindings(machine: MachineConfig) -> list[Binding]:
         for stepper, pin in homing.stepper_pins.items():
             own = original if stepper == name else None
             add(f"homing.{name}.stepper_pins.{stepper}", pin, own)
-    if isinstance(machine.probe, SensingProbe):
+    if isinstance(machine.probe, EddyProbe):
+        for key in ("scl_pin", "sda_pin", "intb_pin"):
+            add(f"probe.{key}", getattr(machine.probe, key), None)
+    if isinstance(machine.probe, SwitchProbe):
         add("probe.pin", machine.probe.pin, None)
         if machine.probe.servo_pin:
             add("probe.control_pin", machine.probe.servo_pin, None)

@@ -11,6 +11,7 @@ from typing import Any
 
 from passo.config.accelerometer import check_accelerometer
 from passo.config.driver_checks import check_drivers, check_thresholds
+from passo.config.eddy_checks import check_eddy_wiring
 from passo.config.findings import Finding, array, did_you_mean, number, table, tables
 from passo.config.heat_checks import check_fans, check_heaters, check_pulses
 from passo.config.i2c_sensors import check_i2c_sensors
@@ -227,6 +228,7 @@ def check_all(
         check_drivers,
         check_pins,
         check_accelerometer,
+        check_eddy_wiring,
         check_inputs,
         check_macros,
         check_kept_options,

@@ -140,6 +140,10 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
             yield from _claim(("homing", name, "stepper_pins", stepper), pin, "switch")
     yield from _claim(("probe", "pin"), table(data, "probe").get("pin"), "switch")
     yield from _claim(("probe", "control_pin"), table(data, "probe").get("control_pin"))
+    probe = table(data, "probe")
+    for key, need in _LINES.items():
+        yield from _claim(("probe", key), probe.get(key), need)
+    yield from _claim(("probe", "intb_pin"), probe.get("intb_pin"), "switch")
     accelerometer = table(data, "accelerometer")
     yield from _claim(("accelerometer", "cs_pin"), accelerometer.get("cs_pin"), "select")
     yield from _wires(("accelerometer",), accelerometer)
@@ -192,6 +196,8 @@ def _check_parts(data: Raw) -> Iterator[Finding]:
         yield from _check_together(("steppers", name, "tmc"), {**tmc, "socket": first}, keys)
     keys = ("cs_pin", "spi_bus", *_WIRES, "i2c_bus")
     yield from _check_together(("accelerometer",), table(data, "accelerometer"), keys)
+    keys = ("scl_pin", "sda_pin", "i2c_bus", "intb_pin")
+    yield from _check_together(("probe",), table(data, "probe"), keys)
     for kind in ("heaters", "fans", "outputs"):
         for name, part in tables(data, kind):
             board = placed(str(part.get("pin")))[0]

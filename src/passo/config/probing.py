@@ -112,6 +112,9 @@ class SimulatedBed(Model):
 class SimulatedProbe(Model):
     """Faults of a simulated probe."""
 
+    coil_c: Annotated[float, Field(ge=-20, le=150)] = 25.0
+    """The temperature of the coil of an eddy current probe. Its frequency falls by 2 ppm for each
+    °C above 25 °C."""
     hysteresis_mm: NotNegative = 0.0
     """A triggered probe opens this much above the height at which it triggers."""
     jammed: bool = False

@@ -6,12 +6,14 @@ from collections.abc import Iterator
 from itertools import combinations
 from math import hypot
 
+from passo.config.eddy_checks import check_calibration
 from passo.config.findings import Finding, did_you_mean
 from passo.config.machine import MachineConfig
 from passo.config.pin_names import placed
 from passo.config.probing import MIN_DISTANCE_MM, UNKNOWNS
 from passo.probes.base import SensingProbe
 from passo.probes.dock import DockProbe
+from passo.probes.eddy import EddyProbe
 
 _CLEARANCE_MM = 1.0  # minimum height of a descent's start above the trigger height
 _MAX_DESCENT_S = 20.0
@@ -44,8 +46,10 @@ def check_probe(machine: MachineConfig) -> Iterator[Finding]:
 def _check_sensor(machine: MachineConfig, probe: SensingProbe) -> Iterator[Finding]:
     yield from _check_descent(probe)
     yield from _check_home(machine, probe)
-    if probe.servo_pin and placed(probe.servo_pin)[0] != placed(probe.pin)[0]:
-        limit = f"a pin on the board of pin, which is {probe.pin}"
+    if isinstance(probe, EddyProbe):
+        yield from check_calibration(probe)
+    if probe.servo_pin and placed(probe.servo_pin)[0] != placed(probe.wired_at)[0]:
+        limit = f"a pin on the board of pin, which is {probe.wired_at}"
         yield Finding("config.value", ("probe", "control_pin"), probe.servo_pin, limit)
     if isinstance(probe, DockProbe):
         yield from _check_dock(machine, probe)

@@ -12,7 +12,7 @@ from passo.config.probing import PROBE
 from passo.config.stalls import watched_motors
 from passo.gcode.command import letters_of
 from passo.geometry.base import Point
-from passo.probes.base import SensingProbe
+from passo.probes.base import SensingProbe, SwitchProbe
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -78,8 +78,13 @@ def _stall_pins(machine: MachineConfig) -> dict[str, str]:
 
 
 def endstop_pins(machine: MachineConfig) -> dict[str, str]:
-    """The pins of all endstops and of the probe, as written, by the names of the endstops."""
-    found = {switch.name: switch.pin for switch in inputs(machine)}
+    """The pins of all endstops and of a probe with a pin, as written, by the names of the
+    endstops."""
+    found = {
+        switch.name: switch.pin
+        for switch in inputs(machine)
+        if switch.name != PROBE or isinstance(machine.probe, SwitchProbe)
+    }
     also = {name for switch in switches(machine) for name in switch.also}
     further = {_stall_name(motor): pin for motor, pin in _stall_pins(machine).items()}
     return found | {name: pin for name, pin in further.items() if name in also}
@@ -91,7 +96,7 @@ def probe_switch(machine: MachineConfig, axes: Iterable[str] = "z") -> Switch | 
     if not isinstance(machine.probe, SensingProbe):
         return None
     steppers = dict.fromkeys(s for axis in axes for s in steppers_of(machine, axis))
-    return Switch(PROBE, "z", machine.probe.pin, tuple(steppers))
+    return Switch(PROBE, "z", machine.probe.wired_at, tuple(steppers))
 
 
 def inputs(machine: MachineConfig) -> tuple[Switch, ...]:

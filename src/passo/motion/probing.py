@@ -16,9 +16,11 @@ from passo.config.probing import PROBE
 from passo.errors import CommandError, Problem
 from passo.geometry.base import Unreachable
 from passo.motion.axis_slots import X, Y, Z
+from passo.motion.eddy_gauge import EddyGauge
 from passo.motion.endstops import probe_switch
 from passo.motion.probe_head import ProbeHead
 from passo.probes.base import Probe, SensingProbe, Twist
+from passo.probes.eddy import EddyProbe
 from passo.probes.manual import ManualProbe
 
 if TYPE_CHECKING:
@@ -82,6 +84,10 @@ class Prober:
         self._triggered, self._correction = triggered, correction
         self._head = ProbeHead(rig, interrupts, triggered)
         self.last_triggered = False
+        probe = rig.machine.probe
+        self.gauge = (
+            EddyGauge(rig, interrupts, triggered, probe) if isinstance(probe, EddyProbe) else None
+        )
         # called before each descent, and after each that such a call has begun
         self.before_descent: list[Callable[[], Awaitable[None]]] = []
         self.after_descent: list[Callable[[], Awaitable[None]]] = []
@@ -215,6 +221,8 @@ class Prober:
         """Asks the board whether the probe is triggered. Lets time pass; raises MachineError, and
         CommandError for a manual probe."""
         self._require_sensor()
+        if self.gauge is not None:
+            _ = self.gauge.reader  # has the active settings
         self.last_triggered = self._head.triggered()
         return self.last_triggered
 
@@ -294,7 +302,8 @@ class Prober:
         try:
             with self._correction.suspended(), self._triggered.prepared():
                 try:
-                    yield
+                    async with self._measuring():
+                        yield
                 except BaseException as error:
                     await self._clear_up(error)
                     raise
@@ -302,6 +311,20 @@ class Prober:
                     await self.probe.stow(self._head)
         finally:
             self._triggered.active = False
+
+    @asynccontextmanager
+    async def _measuring(self) -> AsyncGenerator[None]:
+        """Within the block, a probe that measures heights does so all the time."""
+        gauge = self.gauge
+        if gauge is None:
+            yield
+            return
+        _ = gauge.curve  # an error before anything moves
+        await gauge.begin()
+        try:
+            yield
+        finally:
+            gauge.end()
 
     async def _clear_up(self, error: BaseException) -> None:
         """After a failure, lifts the nozzle and stows the probe. Errors of these steps are added to
@@ -488,11 +511,14 @@ class Prober:
             self._interrupts.raise_if_interrupted()
         endstops = self._triggered.endstops
         hit, lost = PROBE in endstops.hit, PROBE in endstops.expired
+        failure = endstops.failed.get(PROBE)
         z = self._machine.geometry.forward(overshoot.triggered(switch))[Z] if hit else 0.0
         self._place(overshoot, switch)
         self._interrupts.raise_if_interrupted()
         if lost:
             raise self._failure("probe.lost", place, "", "")
+        if failure is not None:
+            raise failure
         if not hit and not near:
             far = f"{start - self._head.z_mm:.1f} mm"
             raise self._failure("probe.home-missed", place, "", far)
@@ -500,7 +526,11 @@ class Prober:
             raise self._failure("probe.missed", place, self._nozzle(), f"Z {low:g} mm")
         if near and z > probe.start_mm - EARLY_MM:
             raise self._failure("probe.early", place, self._nozzle(), f"{EARLY_MM:g} mm")
-        return z
+        return z if self.gauge is None else await self._measured_z(self.gauge)
+
+    async def _measured_z(self, gauge: EddyGauge) -> float:
+        """Z at which a probe that measures heights would have triggered, by its height here."""
+        return self._head.z_mm - await gauge.height_mm() + self.probe.trigger_height_mm
 
     async def seek(
         self, target: Mapping[int, float], speed_mm_s: float, *, opening: bool
@@ -512,6 +542,8 @@ class Prober:
         self.check([])
         rig, machine = self._rig, self._machine
         self._head.heeds_stops = True
+        if self.gauge is not None:
+            raise CommandError.of("probe.no-touch")
         if self.triggered() != opening:
             raise CommandError.of("probe.wrong-state", value="open" if opening else "triggered")
         switch = probe_switch(machine, ["xyz"[slot] for slot in target])

@@ -129,7 +129,8 @@ class TriggeredMoves:
             await queue.until(lambda: queue.standing or bool(self._interrupts.halted))
 
     def _all_hit(self, overshoot: TriggerOvershoot) -> bool:
-        """Whether all endstops are triggered, or the boards of an endstop have lost each other."""
-        done = self.endstops.all_hit() or bool(self.endstops.expired)
+        """Whether all endstops are triggered, or one of them cannot be: its boards have lost each
+        other, or its sensor has failed."""
+        done = self.endstops.all_hit() or bool(self.endstops.expired or self.endstops.failed)
         overshoot.look()
         return done

@@ -135,10 +135,8 @@ class Twist(Model):
 
 
 class SensingProbe(Probe):
-    """A probe with an input."""
+    """A probe that stops a descent."""
 
-    pin: Pin
-    """The input of the probe, on any board. `!` inverts it, `^` asks for the pull-up."""
     trigger_height_mm: HeightOffset
     """The height of the nozzle above the bed at which the probe triggers."""
     low_mm: Annotated[float, Field(ge=-40, le=10)] = -2.0
@@ -171,6 +169,23 @@ class SensingProbe(Probe):
     heaters_off: list[PartName] = []
     """Heaters that are off during each descent, since they disturb the probe; they stay on in a
     descent that may take longer than 20 s."""
+
+    @property
+    def wired_at(self) -> str:
+        """A pin or a bus that names the board of the probe."""
+        raise NotImplementedError
+
+
+class SwitchProbe(SensingProbe):
+    """A probe with an input."""
+
+    pin: Pin
+    """The input of the probe, on any board. `!` inverts it, `^` asks for the pull-up."""
+
+    @property
+    def wired_at(self) -> str:
+        """The input."""
+        return self.pin
 
 
 def not_deployed(found: str, expected: str) -> CommandError:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Literal
 
 from passo.config.types import Pin
-from passo.probes.base import Head, Mechanism, SensingProbe, not_deployed, not_stowed
+from passo.probes.base import Head, Mechanism, SwitchProbe, not_deployed, not_stowed
 
 PIN_DOWN, TOUCH_MODE, PIN_UP = 650.0, 1165.0, 1475.0  # µs
 SELF_TEST, STORE, SET_5V, SET_OD, RESET = 1780.0, 1884.0, 1988.0, 2091.0, 2190.0
@@ -28,7 +28,7 @@ _MOVE_S = 0.68  # of the pin, to deploy or stow
 _TRIES = 3
 
 
-class BLTouch(SensingProbe):
+class BLTouch(SwitchProbe):
     """A BLTouch or a 3DTouch. Before a run, Passo verifies that the pin is stowed, that the output
     reports it, and that the pin can be deployed; after each descent, that the pin is stowed
     again."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import ClassVar, Literal
 
 from passo.config.types import Pair, Position, Speed
-from passo.probes.base import Head, Mechanism, SensingProbe, not_deployed, not_stowed
+from passo.probes.base import Head, Mechanism, SwitchProbe, not_deployed, not_stowed
 
 
-class DockProbe(SensingProbe):
+class DockProbe(SwitchProbe):
     """A probe that magnets hold. Before a run the head fetches it: at `dock_height_mm` it moves to
     `approach_mm`, into the dock, and back with the probe. After the run the head returns the probe
     to the dock on the same path, and moves to `leave_mm` without it."""

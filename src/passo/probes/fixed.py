@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Literal
 
-from passo.probes.base import SensingProbe
+from passo.probes.base import SwitchProbe
 
 
-class FixedProbe(SensingProbe):
+class FixedProbe(SwitchProbe):
     """A probe that is fixed to the head: a switch, or an inductive or a capacitive sensor. It
     measures the bed for G30, G32 and G29."""
 

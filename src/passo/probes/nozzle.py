@@ -6,10 +6,10 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from passo.probes.base import HeightOffset, SensingProbe
+from passo.probes.base import HeightOffset, SwitchProbe
 
 
-class NozzleProbe(SensingProbe):
+class NozzleProbe(SwitchProbe):
     """The nozzle itself is the probe: a piezo element, a strain gauge, or a contact to the bed. It
     must be clean, and at most 150 °C warm. It may be triggered as the head brakes, so it settles
     before each descent."""

@@ -7,12 +7,12 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from passo.config.types import Pin
-from passo.probes.base import Head, Mechanism, SensingProbe, not_deployed, not_stowed
+from passo.probes.base import Head, Mechanism, SwitchProbe, not_deployed, not_stowed
 
 _Degrees = Annotated[float, Field(ge=0, le=180)]
 
 
-class ServoProbe(SensingProbe):
+class ServoProbe(SwitchProbe):
     """A switch on the arm of a servo. The arm turns down before a measurement and up after it."""
 
     kind: Literal["servo"]

@@ -31,6 +31,7 @@ _FLICKERS = 2  # of `force_switch`
 _ELSEWHERE = 1 << 16  # no board has so many pins
 _UNHEATED = _ELSEWHERE - 1  # in place of the pin of a heater
 _IDENTITY = [(0.0, 0.0), (1.0, 1.0)]  # a table whose temperature is the reading
+_COIL = _ELSEWHERE - 2  # in place of the pin of a probe
 _AIR_S = 1.0  # of a body without a heater
 
 
@@ -76,6 +77,7 @@ class SimulatedBoard:
         self.led_chips = dict(self._add_lights())
         self.sensor_chips = dict(self._add_sensor_chips())
         self.widths = {part.name: part for part in plant.widths}
+        self.eddies = dict(self._add_eddies())
         self.digipots = [
             _core.add_digipot(self.device, *(self._pins[bare(pin)] for pin in setting.spi.pins))
             for setting in board.settings
@@ -128,6 +130,16 @@ class SimulatedBoard:
             else:
                 select, clock, mosi, miso = pins
                 yield _core.add_accelerometer(self.device, select, clock, mosi, miso, kind, hz)
+
+    def _add_eddies(self) -> Iterator[tuple[str, _core.Ldc1612Chip]]:
+        """The eddy current sensors, by the names of their endstops."""
+        for part in self.board.eddies:
+            clock, data = (self._pins[bare(pin)] for pin in part.wire.pins)
+            where = clock, data, part.wire.address, _COIL
+            chip = _core.add_ldc1612(self.device, *where, float(self.board.clock_hz))
+            if self._probe:
+                chip.celsius = self._probe.coil_c
+            yield part.name, chip
 
     def _firmware_board(self, start_clock: int) -> _core.FirmwareBoard:
         device = _core.FirmwareBoard(
@@ -211,15 +223,15 @@ class SimulatedBoard:
             )
 
     def _add_probe(self, probe: BedProbe) -> None:
-        pin = self._pin_of(probe.endstop)
+        pin = self._probe_pin(probe)
         self.device.add_probe(
-            self._pins[bare(pin)],
+            pin,
             [self._felt_pin(stepper) for stepper in probe.motors],
             dict(probe.geometry),
             probe.bed.shape,
             probe.offset_mm,
             probe.trigger_mm,
-            not inverted(pin),
+            pin == _COIL or not inverted(self._pin_of(probe.endstop)),
             probe.hysteresis_mm,
             probe.noise_mm,
             probe.seed,
@@ -228,8 +240,13 @@ class SimulatedBoard:
             self._mechanism(probe),
         )
         lifts = [(self._felt_pin(lift.stepper), lift.weight) for lift in probe.lifts]
-        self.device.carry_probe(self._pins[bare(pin)], lifts)
-        self.force_switch(probe.endstop, probe.forced)
+        self.device.carry_probe(pin, lifts)
+        if pin != _COIL:
+            self.force_switch(probe.endstop, probe.forced)
+
+    def _probe_pin(self, probe: BedProbe) -> int:
+        eddies = (part.name for part in self.board.eddies)
+        return _COIL if probe.endstop in eddies else self._pins[bare(self._pin_of(probe.endstop))]
 
     def _mechanism(self, probe: BedProbe) -> _core.ProbeMechanism:
         of, kinds = probe.mechanism, _core.ProbeMechanism
@@ -259,7 +276,7 @@ class SimulatedBoard:
         """Injects faults of the probe from now on. Raises KeyError if it is not on this board."""
         if self._probe is None:
             raise KeyError("no probe")
-        pin = self._pins[bare(self._pin_of(self._probe.endstop))]
+        pin = self._probe_pin(self._probe)
         self.device.change_probe(pin, dead_areas, touchy_areas, noise_mm, jammed)
 
     def tilt_bed(self, rise_mm: float) -> None:
@@ -268,7 +285,7 @@ class SimulatedBoard:
         if self._probe is None:
             raise KeyError("no probe")
         x_mm, y_mm = self._probe.bed.tilt_mm
-        pin = self._pins[bare(self._pin_of(self._probe.endstop))]
+        pin = self._probe_pin(self._probe)
         bed = replace(self._probe.bed, tilt_mm=(x_mm + rise_mm, y_mm))
         self.device.change_bed(pin, bed.shape)
 

@@ -75,6 +75,7 @@ def _virtual() -> dict[str, Any]:
                 "START_READ_NACK": 4,
             },
             "lis_chip_type": {"LIS2DW": 0},
+            "trigger_analog_type": {"abs_ge": 0, "gt": 1, "diff_peak_gt": 2},
         },
         "config": {
             "ADC_MAX": ADC_MAX,

@@ -38,6 +38,7 @@ _DRIVER = {
 }
 _SILENT = "silent"
 _BED = (NO_FAULT, "tilted")
+_COIL = (NO_FAULT, "open", "silent")
 _TILT_MM = 1.0  # over the width of the bed
 _SENSOR_NOISE = 0.05  # maximum, as a fraction of the ADC's full scale, in both directions
 # The faults that may have an amount: its maximum, and its form in a message.
@@ -74,6 +75,10 @@ class SimulatedFaults:
         for endstop in board.endstops:
             self._add(f"{endstop.name}-endstop", _ENDSTOP, self._endstop_setter(endstop.name))
             if endstop.name == PROBE:
+                self._add("bed", _BED, self._set_bed)
+        for eddy in board.eddies:
+            self._add(f"{eddy.name}-coil", _COIL, self._coil_setter(eddy.name))
+            if eddy.name == PROBE:
                 self._add("bed", _BED, self._set_bed)
         digital = {entry.name for entry in board.inputs}
         for name in board.input_names:
@@ -184,6 +189,11 @@ class SimulatedFaults:
             chip.plugged = fault != _SILENT
 
         return set_fault
+
+    def _coil_setter(self, sensor: str) -> Callable[[str, float | None], None]:
+        return lambda fault, _: self._machine.break_coil(
+            sensor, open_coil=fault == "open", silent=fault == "silent"
+        )
 
     def _set_bed(self, fault: str, _: float | None) -> None:
         self._machine.tilt_bed(_TILT_MM if fault == "tilted" else 0.0)

@@ -57,7 +57,7 @@ class SimulatedMachine:
             board.feel(boards.values())
             for part in (
                 *("steppers", "outputs", "sensors", "endstops", "counters", "lights"),
-                "analog_inputs",
+                *("analog_inputs", "eddies"),
             ):
                 for entry in getattr(board.board, part):
                     self._own[part, entry.name] = board
@@ -187,13 +187,23 @@ class SimulatedMachine:
         """Injects faults of the probe from now on: areas where it never triggers, areas where it is
         always triggered, and the standard deviation of its height, mm. `jammed`: it cannot be
         deployed."""
-        self._of("endstops", PROBE).spoil_probe(
+        self._board_of_probe.spoil_probe(
             dead_areas=dead_areas, touchy_areas=touchy_areas, noise_mm=noise_mm, jammed=jammed
         )
 
+    @property
+    def _board_of_probe(self) -> SimulatedBoard:
+        part = "eddies" if ("eddies", PROBE) in self._own else "endstops"
+        return self._of(part, PROBE)
+
+    def break_coil(self, sensor: str, *, open_coil: bool = False, silent: bool = False) -> None:
+        """A fault of an eddy current sensor: its coil is broken, or its chip does not answer."""
+        chip = self._of("eddies", sensor).eddies[sensor]
+        chip.open, chip.plugged = open_coil, not silent
+
     def tilt_bed(self, rise_mm: float) -> None:
         """A fault: the bed rises by `rise_mm` more over its width; 0 ends it."""
-        self._of("endstops", PROBE).tilt_bed(rise_mm)
+        self._board_of_probe.tilt_bed(rise_mm)
 
     def force_heater(self, sensor: str, power: float | None) -> None:
         """A fault: the heater of this sensor has this power, 0 to 1, independent of its pin; None

@@ -159,8 +159,8 @@ class BedProbe:
     above the bed at the place of the probe, which is `offset_mm` from the nozzle, and opens
     `hysteresis_mm` higher. `motors` names one stepper for each actuator of `geometry`, which has
     the form that the core takes. In a dead area the probe never triggers, in a touchy area it is
-    always triggered. `mechanism` deploys the probe, controlled by the output `control`, unless the
-    probe is jammed."""
+    always triggered. An eddy current probe has a coil of `coil_c` °C. `mechanism` deploys the
+    probe, controlled by the output `control`, unless the probe is jammed."""
 
     endstop: str
     motors: tuple[str, ...]
@@ -177,6 +177,7 @@ class BedProbe:
     mechanism: Mechanism = field(default_factory=Mechanism)
     control: str | None = None
     jammed: bool = False
+    coil_c: float = 25.0
     lifts: tuple[Lift, ...] = ()
 
 

@@ -16,7 +16,14 @@ def without_buses(board: BoardDescription) -> BoardDescription:
     accelerometers = tuple(replace(a, wire=_on_pins(a.wire)) for a in board.accelerometers)
     drivers = tuple(replace(d, wire=_on_pins(d.wire)) for d in board.drivers)
     sensors = tuple(replace(s, wire=_on_pins(s.wire)) for s in board.i2c_sensors)
-    return replace(board, accelerometers=accelerometers, drivers=drivers, i2c_sensors=sensors)
+    eddies = tuple(replace(e, wire=_on_pins(e.wire)) for e in board.eddies)
+    return replace(
+        board,
+        accelerometers=accelerometers,
+        drivers=drivers,
+        i2c_sensors=sensors,
+        eddies=eddies,
+    )
 
 
 def _on_pins(wire: _Wire) -> _Wire | SpiPins | I2cPins:

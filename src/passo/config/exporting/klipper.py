@@ -15,7 +15,8 @@ from passo.config.square_corner import corner_mm_s
 from passo.errors import ConfigError
 from passo.geometry.delta import Delta, rise_mm
 from passo.geometry.skewable import SkewableModel
-from passo.probes.base import SensingProbe
+from passo.probes.base import SensingProbe, SwitchProbe
+from passo.probes.eddy import EddyProbe
 
 if TYPE_CHECKING:
     from passo.config.calibration import Screws
@@ -251,25 +252,61 @@ def _put_probe(cfg: Cfg) -> None:
     if not isinstance(probe, SensingProbe):
         cfg.left_out.append(f"probe: the kind {probe.kind} has no section of its own")
         return
+    if isinstance(probe, EddyProbe):
+        _put_eddy(cfg, probe)
+        return
     if probe.kind not in ("fixed", "nozzle", "bltouch"):
         cfg.left_out.append(f"probe: [probe] does not know how to deploy the kind {probe.kind}")
+    assert isinstance(probe, SwitchProbe)
     touch = probe.kind == "bltouch"
     section = "bltouch" if touch else "probe"
     cfg.put(
         section,
         **{"sensor_pin" if touch else "pin": cfg.pin(probe.pin)},
         control_pin=cfg.pin(probe.servo_pin) if touch and probe.servo_pin else None,
-        x_offset=probe.offset_mm[0],
-        y_offset=probe.offset_mm[1],
         z_offset=probe.trigger_height_mm,
-        speed=probe.slow_mm_s,
-        lift_speed=probe.lift_mm_s,
-        sample_retract_dist=probe.retract_mm,
-        samples=probe.samples,
-        samples_result=_RESULTS[probe.result],
-        samples_tolerance=probe.tolerance_mm,
-        samples_tolerance_retries=probe.retries,
+        **_of_samples(probe),
     )
+    _put_probe_home(cfg, probe)
+
+
+def _put_eddy(cfg: Cfg, probe: EddyProbe) -> None:
+    bus = placed(probe.i2c_bus) if probe.i2c_bus else None
+    cfg.put(
+        f"probe_eddy_current {probe.name}",
+        sensor_type="ldc1612",
+        i2c_software_scl_pin=cfg.pin(probe.scl_pin) if probe.scl_pin else None,
+        i2c_software_sda_pin=cfg.pin(probe.sda_pin) if probe.sda_pin else None,
+        i2c_mcu=bus[0] or None if bus else None,
+        i2c_bus=bus[1] if bus else None,
+        i2c_address=probe.i2c_address,
+        i2c_speed=probe.i2c_hz,
+        intb_pin=cfg.pin(probe.intb_pin) if probe.intb_pin else None,
+        reg_drive_current=probe.drive_current,
+        frequency=probe.chip_hz,
+        max_sensor_hz=probe.max_coil_hz,
+        descend_z=probe.trigger_height_mm,
+        calibrate=", ".join(f"{p.mm:.6f}:{p.hz:.3f}" for p in probe.calibration) or None,
+        **_of_samples(probe),
+    )
+    _put_probe_home(cfg, probe)
+
+
+def _of_samples(probe: SensingProbe) -> dict[str, str | float]:
+    return {
+        "x_offset": probe.offset_mm[0],
+        "y_offset": probe.offset_mm[1],
+        "speed": probe.slow_mm_s,
+        "lift_speed": probe.lift_mm_s,
+        "sample_retract_dist": probe.retract_mm,
+        "samples": probe.samples,
+        "samples_result": _RESULTS[probe.result],
+        "samples_tolerance": probe.tolerance_mm,
+        "samples_tolerance_retries": probe.retries,
+    }
+
+
+def _put_probe_home(cfg: Cfg, probe: SensingProbe) -> None:
     if probe.fast_mm_s != probe.slow_mm_s:
         cfg.left_out.append("probe.fast_mm_s: Klipper's probe has one speed, slow_mm_s")
     if probe.heaters_off:

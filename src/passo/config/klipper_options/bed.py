@@ -54,6 +54,16 @@ BED: Mapping[str, Options] = {
         flag("pin_up_touch_mode_reports_triggered", default=True),
         text("set_output_mode"),
     ),
+    "probe_eddy_current": (
+        text("sensor_type"),
+        text("intb_pin"),
+        text("i2c_mcu"),
+        text("i2c_bus"),
+        whole("reg_drive_current", 15),
+        number("descend_z"),
+        *_PROBE,
+        text("calibrate"),
+    ),
     "safe_z_home": (
         numbers("home_xy_position"),
         number("speed", 50.0),

@@ -11,7 +11,7 @@ from passo.heat.control import arrival_of, control_of, limits_of, model_of
 from passo.motion.endstops import endstop_pins, inputs
 from passo.printer.setup.board_inputs import analog_inputs_of, inputs_of
 from passo.printer.setup.board_outputs import output_of, outputs_of
-from passo.printer.setup.drivers import accelerometers, current_settings, drivers
+from passo.printer.setup.drivers import accelerometers, current_settings, drivers, eddies
 from passo.printer.setup.lights import lights_of
 from passo.printer.setup.sensors import i2c_sensors_of, sensor_of, shown_sensors
 
@@ -53,6 +53,7 @@ def board_description(machine: MachineConfig, board: str = MAIN) -> BoardDescrip
         drivers=tuple(d for d in drivers(machine) if machine.board_of_stepper(d.stepper) == board),
         settings=tuple(current_settings(machine, board)),
         accelerometers=tuple(accelerometers(machine, board)),
+        eddies=tuple(eddies(machine, board)),
         inputs=tuple(inputs_of(machine, board)),
         analog_inputs=tuple(analog_inputs_of(machine, board)),
         counters=tuple(

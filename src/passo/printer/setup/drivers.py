@@ -1,4 +1,4 @@
-"""The buses of drivers and of temperature converters, from a machine file."""
+"""The buses of drivers, temperature converters and sensors of motion, from a machine file."""
 
 from __future__ import annotations
 
@@ -6,13 +6,15 @@ from collections.abc import Iterator
 from functools import partial
 from typing import TYPE_CHECKING
 
-from passo.board.description import Accelerometer, Driver, I2cPins, Setting, SpiPins, UartPins
+from passo.board.description import Accelerometer, Driver, Eddy, I2cPins, Setting, SpiPins, UartPins
 from passo.board.trinamic import DriverSettings, threshold_of
 from passo.config.board import joined_marks
 from passo.config.pin_names import named_on, placed
+from passo.config.probing import PROBE
 from passo.config.sensors import Converter, ThermocoupleConverter
 from passo.config.stalls import STALL_KINDS, watched_motors
 from passo.config.trinamic import CHIPS, ChipName, Tmc, chip_of, tuned_fields
+from passo.probes.eddy import EddyProbe
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -142,3 +144,16 @@ def accelerometers(machine: MachineConfig, on: str) -> Iterator[Accelerometer]:
         wire = SpiPins(select, clock, mosi, miso, 3, ACCELEROMETER_HZ, bus)
     axes = tuple(("xyz".index(d[-1]), -1 if d[0] == "-" else 1) for d in part.axes_map)
     yield Accelerometer(part.chip, wire, axes, part.rate_hz or 0)
+
+
+def eddies(machine: MachineConfig, on: str) -> Iterator[Eddy]:
+    """The eddy current probe of the machine, if it is on this board."""
+    probe = machine.probe
+    if not isinstance(probe, EddyProbe) or placed(probe.wired_at)[0] != on:
+        return
+    scl, sda, intb = (
+        machine.pin(pin) if pin else "" for pin in (probe.scl_pin, probe.sda_pin, probe.intb_pin)
+    )
+    bus = placed(probe.i2c_bus)[1] if probe.i2c_bus else ""
+    wire = I2cPins(scl, sda, probe.i2c_address, probe.i2c_hz, bus)
+    yield Eddy(PROBE, wire, probe.chip_hz, probe.divider, intb)

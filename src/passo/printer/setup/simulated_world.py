@@ -62,7 +62,7 @@ def simulated_board(
     )
     from passo.simulator import Switch as PlantSwitch
 
-    own, wired = {e.name for e in board.endstops}, {i.name for i in board.inputs}
+    own, wired = {e.name for e in (*board.endstops, *board.eddies)}, {i.name for i in board.inputs}
     plant = PlantDescription(
         actuators=tuple(
             a for a in _actuators(machine) if a.stepper in {s.name for s in board.steppers}
@@ -258,6 +258,7 @@ def _bed_probe(machine: MachineConfig) -> BedProbe | None:
         probe.mechanism,
         SERVO if probe.servo_pin else None,
         simulated.probe.jammed,
+        simulated.probe.coil_c,
         _lifts(machine),
     )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import floor, sqrt
 from typing import TYPE_CHECKING
 
+from passo.config.importing.klipper.eddy import put_eddy_keys, put_height
 from passo.config.importing.numbers import Read
 
 if TYPE_CHECKING:
@@ -20,11 +21,15 @@ DESCENT_S = 19.0  # a descent that would take longer is refused
 
 
 _KINDS = {"probe": "fixed", "bltouch": "bltouch", "smart_effector": "nozzle"}
+EDDIES = ("probe_eddy_current", "probe_eddy_ng")
 
 
 def put_probe(job: Import) -> None:
     """Converts the section of the probe. Sets `job.probe_pin`, with which Z may be homed."""
     job.parts(*_KINDS, convert=_put_probe)
+    eddies = [section for kind in EDDIES for section in job.config.of(kind)]
+    if job.probe_pin is None and eddies:
+        job.part(eddies[0], put_eddy)
 
 
 def _put_probe(job: Import, section: Section) -> None:
@@ -43,6 +48,12 @@ def _put_probe(job: Import, section: Section) -> None:
         section.used.add("stow_on_each_sample")
     elif section.name == "smart_effector":
         job.put("smart_effector", section)
+    put_common(job, section, pin)
+
+
+def put_common(job: Import, section: Section, pin: str) -> None:
+    """Imports the offsets, the heights and the speeds of a probe at a pin or a bus."""
+    path = ("probe",)
     x, y = (section.number(f"{axis}_offset", 0.0) or 0.0 for axis in "xy")
     job.probe_offset = x, y
     job.put_value((*path, "offset_mm"), section, "x_offset", [x, y])
@@ -54,6 +65,14 @@ def _put_probe(job: Import, section: Section) -> None:
     job.draft.put((*path, "low_mm"), low if low != LOW_MM else None, None)
     job.draft.put((*path, "start_mm"), start if start != START_MM else None, None)
     job.probe_pin = pin
+
+
+def put_eddy(job: Import, section: Section) -> None:
+    """Imports an eddy current probe."""
+    bus = put_eddy_keys(job, section)
+    if bus is not None:
+        put_common(job, section, bus)
+        put_height(job, section)
 
 
 def put_twist(job: Import) -> None:
