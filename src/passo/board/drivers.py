@@ -126,18 +126,20 @@ class Drivers:
 
         return self._begin(motor, state.link.configure(state.settings), done)
 
-    def begin_change(self, motor: str, settings: DriverSettings) -> None:
-        """Starts to write only the registers that new `settings` change. Does not wait."""
+    def begin_change(self, motor: str, settings: DriverSettings) -> Callable[[], bool]:
+        """Like `begin_configure`, but writes only the registers that new `settings` change."""
         state = self.states[motor]
         if state.failure is not None:
-            self.begin_configure(motor, settings)
-            return
+            return self.begin_configure(motor, settings)
         before, state.settings = state.settings, settings
-        self._begin(motor, state.link.change(before, settings), lambda _: None)
+        return self._begin(motor, state.link.change(before, settings), lambda _: None)
 
-    def begin_read(self, motor: str, register: str, done: Callable[[int], None]) -> None:
-        """Starts to read a register by its name; calls `done` with its value. Does not wait."""
-        self._begin(motor, self.states[motor].link.read(register), done)
+    def begin_read(
+        self, motor: str, register: str, done: Callable[[int], None]
+    ) -> Callable[[], bool]:
+        """Starts to read a register by its name; calls `done` with its value. Does not wait; what
+        it returns says whether the exchange is over."""
+        return self._begin(motor, self.states[motor].link.read(register), done)
 
     def interrupt(self) -> None:
         """Ends all exchanges, because many of their messages may have been lost."""

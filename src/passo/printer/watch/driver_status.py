@@ -42,6 +42,7 @@ class DriverWatch:
         self.prewarned: set[str] = set()  # motors whose drivers were hot since M912
         self._set: dict[str, DriverSettings] = {}  # set by commands; kept over a reset of the board
         self._held: dict[str, DriverSettings] = {}  # from before a detection of stalls
+        self._begun: list[Callable[[], bool]] = []  # reads and writes: whether each is over
         self._reported: set[tuple[str, str]] = set()
         self._next_look = 0
         state.status_parts.append(lambda status: with_drivers(status, self.states))
@@ -54,6 +55,7 @@ class DriverWatch:
         for motor, settings in self._set.items():
             self.states[motor].settings = settings
         self._reported.clear()
+        self._begun.clear()
         self._next_look = 0
         for drivers in self._of_boards:
             drivers.configure()
@@ -95,21 +97,32 @@ class DriverWatch:
         if keep:
             self._set[motor] = settings
         if settings != self.states[motor].settings:
-            self._of(motor).begin_change(motor, settings)
+            self._begin(self._of(motor).begin_change(motor, settings))
 
     def read(self, motor: str, register: str, done: Callable[[int], None]) -> None:
         """Reads a register of a driver by its name, without waiting: calls `done` with its
         value."""
-        self._of(motor).begin_read(motor, register, done)
+        self._begin(self._of(motor).begin_read(motor, register, done))
 
     async def settled(self) -> None:
-        """Waits until the drivers have answered everything. A driver that fails halts the printer
-        if its motor is on."""
-        await self._answered()
+        """Waits until all reads and writes that were begun are over. A driver that fails halts the
+        printer if its motor is on."""
+        await self._over()
+        for motor, state in self.states.items():
+            self._look_at(motor, state)
+
+    def _begin(self, over: Callable[[], bool]) -> None:
+        self._begun = [*(one for one in self._begun if not one()), over]
+
+    async def _over(self) -> None:
+        begun, self._begun = self._begun, []
+        await self._rig.queue.until(
+            lambda: bool(self._state.halted) or all(over() for over in begun)
+        )
 
     def initialise(self, motor: str) -> None:
         """Writes the settings of a driver again, without waiting for the exchange with it."""
-        self._of(motor).begin_configure(motor, self.states[motor].settings)
+        self._begin(self._of(motor).begin_configure(motor, self.states[motor].settings))
 
     async def detect_stalls(self, wanted: Mapping[str, Detection]) -> None:
         """Lets these motors' drivers detect stalls, until `end_detection`. Raises MachineError."""
@@ -135,10 +148,9 @@ class DriverWatch:
     async def _write(self, settings: Mapping[str, DriverSettings]) -> None:
         """Writes and verifies settings, which are not kept over a restart. Lets time pass; raises
         MachineError."""
-        over = [self._of(motor).begin_configure(motor, one) for motor, one in settings.items()]
-        await self._rig.queue.until(
-            lambda: bool(self._state.halted) or all(written() for written in over)
-        )
+        for motor, wanted in settings.items():
+            self._begin(self._of(motor).begin_configure(motor, wanted))
+        await self._over()
         for motor in settings:
             failure = self.states[motor].failure
             if failure is not None:
