@@ -230,3 +230,13 @@ def test_position_of_an_axis_is_set_and_taken_away():
         assert s.printer.rig.job.locked_axes == [0, 2]
         (said,) = answers(s, "SET_KINEMATIC_POSITION Z=9999")
         assert "Z is 9999: expected" in said
+
+
+def test_the_file_of_a_print_may_turn_motors(tmp_path):
+    lines = ["FORCE_MOVE STEPPER=stepper_z DISTANCE=5 VELOCITY=5", "G28", "G1 X50 F6000", "M400"]
+    (tmp_path / "a.gcode").write_text("\n".join(lines) + "\n")
+    with Scenario("i3", card=str(tmp_path)) as s:
+        answers(s, "M23 a.gcode")
+        answers(s, "M24")
+        s.host.expect("Done printing file", 60)
+        assert s.positions()["x"] == 50

@@ -15,6 +15,7 @@ from passo.config.heater_numbers import number_of
 from passo.config.jerk import box_s, right_angle_mm
 from passo.config.klipper_options.left_out import sentences
 from passo.config.klippers_firmware import NAME
+from passo.config.macro_calls import machine_calls
 from passo.config.pin_names import section
 from passo.config.shapers import impulses
 
@@ -69,6 +70,11 @@ def notes(machine: MachineConfig) -> Iterator[str]:
         yield _jerk_note(machine, machine.limits.jerk_mm_s3)
     for board in machine.all_boards.values():
         yield from board.notes
+    for word, part, line in machine_calls(machine):
+        yield (
+            f"{part}, line {line}, calls {word}, which is neither a command nor a macro here: a"
+            f" print stops at this line. Write the macro {word}, or remove the call"
+        )
     for sentence in sentences(Sections(machine).left_out) if machine.klipper else ():
         yield f"{sentence}, because Passo does not drive this part (table klipper)"
 

@@ -115,7 +115,8 @@ class MotorMoves:
         Subject.MOTORS,
         When.EXCLUSIVE,
         "Turns a motor, with those that drive the same, also where the axis is not homed. A homed"
-        " axis keeps within its limits, and stays homed. ACCEL is read and ignored.",
+        " axis keeps within its limits, and stays homed. During a print only its own file may do"
+        " so. ACCEL is read and ignored.",
         text("STEPPER", "the name of the motor"),
         number("DISTANCE", "how far", "mm or degrees", required=True),
         number("VELOCITY", "how fast", "mm/s", 0, above=True, required=True),
@@ -126,7 +127,7 @@ class MotorMoves:
     def _force(self, command: Command, reply: Reply) -> Wait | None:
         motor = _named(self._machine, command.string("STEPPER"))
         distance, speed = command.value("DISTANCE"), command.value("VELOCITY")
-        self._require_no_print(command)
+        self._require_own_file(command, reply)
         self._note(motor, reply)
         return self._turning({motor: distance}, speed, reply)
 
@@ -163,8 +164,7 @@ class MotorMoves:
     def _set_position(self, command: Command, reply: Reply) -> Wait | None:
         job = self._rig.job
         places, lost = positions(command, self._machine, job)
-        if job.stops.suspended or self._state.is_other_source(reply):
-            self._require_no_print(command)
+        self._require_own_file(command, reply)
 
         def place() -> None:
             job.axes.set(list(places.items()))
@@ -328,6 +328,11 @@ class MotorMoves:
         return self._machine.geometry.inverse((x, y, job.bed.nozzle_height(x, y, z)))
 
     # -- limits -----------------------------------------------------------------------------------
+
+    def _require_own_file(self, command: Command, reply: Reply) -> None:
+        """Raises CommandError during a print, unless its own file has the command."""
+        if self._rig.job.stops.suspended or self._state.is_other_source(reply):
+            self._require_no_print(command)
 
     def _require_no_print(self, command: Command) -> None:
         if self._state.busy():

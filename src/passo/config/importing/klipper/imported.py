@@ -15,7 +15,7 @@ from passo.config.importing.klipper.kept import put_kept
 from passo.config.importing.klipper.levelling import put_levelling
 from passo.config.importing.klipper.light_effects import put_light_effects
 from passo.config.importing.klipper.lights import put_lights
-from passo.config.importing.klipper.macros import put_macros
+from passo.config.importing.klipper.macros import put_macros, put_undefined_calls
 from passo.config.importing.klipper.mcus import finish_boards, put_boards
 from passo.config.importing.klipper.motion import put_motion
 from passo.config.importing.klipper.outputs import put_outputs
@@ -80,6 +80,7 @@ def _put_all(job: Import, board: str | None) -> None:
     put_settings(job)
     put_macros(job)
     put_kept(job)
+    put_undefined_calls(job)
     _remark_on_the_rest(job)
 
 

@@ -5,7 +5,10 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, cast
 
+from passo.config.importing.klipper.conversion import TABLE
 from passo.config.importing.klipper.safe_home import put_homing_macro
+from passo.config.klipper_options import OPTIONS, kind_of
+from passo.config.macro_calls import undefined_calls
 from passo.config.macro_checks import KEPT, LETTERED, is_built_in
 from passo.config.macros import literal
 from passo.config.types import COMMAND, VARIABLE
@@ -23,6 +26,40 @@ def put_macros(job: Import) -> None:
     for section in job.config.of("gcode_macro"):
         _put_macro(job, section)
     put_homing_macro(job)
+
+
+def put_undefined_calls(job: Import) -> None:
+    """A call of a command that no file of the configuration defines. Klipper reports it and goes
+    on, so an empty macro that reports it stands for the command; but not beside a plug-in that
+    Passo does not have, whose command may be more than a light."""
+    keys, draft = job.draft.keys, job.draft
+    gcodes = {path: str(value) for path, (value, _) in keys.items() if path[-1] == "gcode"}
+    templates = {".".join(path[:-1]): text for path, text in gcodes.items()}
+    renamed = [str(value) for path, (value, _) in keys.items() if path[-1] == "rename_existing"]
+    macros = [path[1] for path in keys if path[0] == "macros"]
+    plug_ins = [name for name in job.config.sections if _of_plug_in(job, name)]
+    for word, name, line in undefined_calls(templates, [*macros, *renamed]):
+        path = next(path for path in gcodes if ".".join(path[:-1]) == name)
+        place, what = keys[path][1], f"{word} in {path[1]}, line {line}"
+        if place is None:
+            continue  # a default of Klipper's, which calls what is built in
+        if plug_ins:
+            text = f"no file here defines it, unless [{plug_ins[0]}] has it: a print stops there"
+            draft.decide(place, what, f"{text}. Remove the call, or write a macro {word}")
+        elif re.fullmatch(COMMAND, word):
+            draft.put(("macros", word, "gcode"), f"M118 {word}: no file defines it", place)
+            text = f"no file here defines it: a macro {word} that only says so stands for it"
+            draft.changed(place, what, text)
+
+
+def _of_plug_in(job: Import, section: str) -> bool:
+    """Whether the section is one of a plug-in that Passo does not have, and that may move."""
+    kind = kind_of(section)
+    known = kind in OPTIONS or kind == "board_pins"
+    if known or (section in job.used and section not in job.left_out):
+        return False
+    row = TABLE.notes("sections").get(kind)
+    return row is None or row.fate == "decide"
 
 
 def _put_macro(job: Import, section: Section) -> None:
