@@ -10,7 +10,10 @@ from html import escape
 from importlib.resources import files
 
 _STYLES = ("tokens.css", "draw.css", "pages.css")
-_SCRIPTS = ("dom", "labels", "series", "chart", "shades", "bars", "gestures", "path", "pages")
+_SCRIPTS = (
+    *("dom", "labels", "series", "chart", "shades", "bars", "gestures", "path", "pages"),
+    "scatter",
+)
 _IMPORT = re.compile(r"^import .*;\n", re.MULTILINE)  # the scripts of a page are one module
 
 

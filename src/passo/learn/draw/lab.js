@@ -1,13 +1,12 @@
 /** The page of `passo lab`: the trials of a file in a table, and pictures of one corner. */
 
-import { lined, Plot, scaleOf } from "./chart.js";
+import { lined, Plot } from "./chart.js";
 import { html, soon, svg } from "./dom.js";
-import { label, ticks } from "./labels.js";
 import { data, main, section } from "./pages.js";
+import { scatter } from "./scatter.js";
 
 const BEAD_MM = 0.45; // the width of a printed line
 const COLUMNS_S = [0, 0.05, 0.1];
-const [WIDE, HIGH, LEFT, TOP, BOTTOM, RIGHT] = [460, 360, 44, 12, 40, 20]; // of the picture of the trade
 
 const best = (i) => (i === data.best ? { class: "best" } : {});
 const note = (text) => html("p", { class: "note" }, text);
@@ -47,46 +46,10 @@ function corner({ line, at_mm: [x0, y0], before: [ax, ay], after: [bx, by], reac
 
 /** Each shaper as a point: how far corners are rounded, and how much rings. */
 function trade(points) {
-  const [, right, xStep] = scaleOf([0, ...points.map(({ rounding_um }) => 1.05 * rounding_um)]);
-  const [, top, yStep] = scaleOf([0, ...points.map(({ ringing_um }) => 1.05 * ringing_um)]);
-  const [wide, high] = [WIDE - LEFT - RIGHT, HIGH - TOP - BOTTOM];
-  const [x, y] = [(v) => LEFT + (wide * v) / right, (v) => TOP + high * (1 - v / top)];
-  const drawing = svg("svg", { viewBox: `0 0 ${WIDE} ${HIGH}`, role: "img", "aria-label": "Ringing against rounding of corners" });
-  for (const v of ticks(0, top, yStep)) {
-    drawing.append(svg("path", { class: "grid", d: `M${LEFT} ${y(v)}h${wide}` }));
-    drawing.append(svg("text", { x: LEFT - 6, y: y(v) + 4, "text-anchor": "end" }, label(v, yStep)));
-  }
-  for (const v of ticks(0, right, xStep)) {
-    drawing.append(svg("text", { x: x(v), y: TOP + high + 16, "text-anchor": "middle" }, label(v, xStep)));
-  }
-  drawing.append(svg("text", { x: LEFT + wide / 2, y: TOP + high + 34, "text-anchor": "middle" }, "corners rounded by, µm"));
-  const taken = points.map((p) => [x(p.rounding_um) - 5, y(p.ringing_um) - 5, x(p.rounding_um) + 5, y(p.ringing_um) + 5]);
-  for (const { name, rounding_um, ringing_um } of points) {
-    const [px, py] = [x(rounding_um), y(ringing_um)];
-    const place = freePlace(px, py, name, taken, LEFT + wide);
-    taken.push(place.box);
-    drawing.append(svg("circle", { class: "c1", cx: px, cy: py, r: 4.5 }));
-    drawing.append(svg("text", { class: "name", x: place.x, y: place.y, "text-anchor": place.anchor }, name));
-  }
+  const shown = points.map(({ name, rounding_um, ringing_um }) => ({ name, x: rounding_um, y: ringing_um, colour: 1 }));
+  const drawing = scatter(shown, { across: "corners rounded by, µm", text: "Ringing against rounding of corners" });
   return section("trade", "What a shaper costs: ringing in µm against rounding", html("div", { class: "drawing" }, drawing),
     note("Near the lower left corner is best. Ringing is the mean of that on tune and 10 % off tune."));
-}
-
-/** Where a text next to a point covers nothing. */
-function freePlace(x, y, text, taken, most) {
-  const wide = 6.8 * text.length;
-  const places = [
-    [8, "start", 4, x + 8],
-    [0, "middle", -9, x - wide / 2],
-    [0, "middle", 18, x - wide / 2],
-    [-8, "end", 4, x - 8 - wide],
-    [6, "start", -20, x + 6],
-    [6, "start", 30, x + 6],
-    [-6, "end", -20, x - 6 - wide],
-  ].map(([across, anchor, down, left]) => ({ x: x + across, y: y + down, anchor, box: [left, y + down - 11, left + wide, y + down + 3] }));
-  const covered = ([x0, y0, x1, y1]) =>
-    taken.filter((b) => x0 < b[2] && x1 > b[0] && y0 < b[3] && y1 > b[1]).length + Number(x1 > most + 20);
-  return places.reduce((a, b) => (covered(b.box) < covered(a.box) ? b : a));
 }
 
 /** A small chart for each trial, all in one scale, with the first trial in grey. */
