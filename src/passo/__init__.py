@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from passo.library.machine import Machine
     from passo.library.printer import Printer, run
     from passo.printer.status import Status
+    from passo.study.batch import batch
     from passo.web.client import AsyncClient, Client, RequestError
 
 __all__ = [
@@ -29,6 +30,7 @@ __all__ = [
     "RequestError",
     "Status",
     "__version__",
+    "batch",
     "run",
 ]
 
@@ -40,6 +42,7 @@ _MODULES = dict.fromkeys(_ERRORS, "errors") | {
     "Printer": "library.printer",
     "RequestError": "web.client",
     "Status": "printer.status",
+    "batch": "study.batch",
     "run": "library.printer",
 }
 

@@ -16,6 +16,7 @@ from passo.study.local_engine import LocalEngine
 from passo.study.plan import plan_study
 from passo.study.run import run_study
 from passo.study.study_file import Study
+from passo.study.work import Shard
 
 PART = """G28
 M109 S200
@@ -54,10 +55,16 @@ class StoppedClock:
         return self.s
 
 
-def run(folder, output, engine, workers=1, **keys):
-    plan = plan_study(study(folder), folder)
-    progress = run_study(plan, engine, folder / output, workers, **keys)
-    return progress, (folder / output / "results.csv").read_bytes()
+def run(folder, output, engine, watch=lambda progress, rows: None):
+    """The last progress, and the table."""
+    seen = []
+
+    def see(progress, rows):
+        seen.append(progress)
+        watch(progress, rows)
+
+    run_study(plan_study(study(folder), folder), engine, folder / output, see)
+    return seen[-1], (folder / output / "results.csv").read_bytes()
 
 
 @pytest.fixture(scope="module")
@@ -94,7 +101,7 @@ def test_rows_have_figures_or_code_and_line(files, expected):
 
 
 def test_processes_give_the_same_bytes_as_one(files, expected):
-    assert run(files, "two", LocalEngine(2), 2)[1] == expected
+    assert run(files, "two", LocalEngine(2))[1] == expected
 
 
 def test_killed_process_costs_no_row(files, expected):
@@ -109,7 +116,7 @@ def test_killed_process_costs_no_row(files, expected):
                     struck.append(process.pid)
 
     engine = LocalEngine(2, timeout_s=10, now=StoppedClock())
-    progress, table = run(files, "struck", engine, 2, watch=strike)
+    progress, table = run(files, "struck", engine, watch=strike)
     assert len(struck) == 2
     assert (progress.done, table) == (108, expected)
 
@@ -119,13 +126,12 @@ def faulty(folder, compute, *names, jobs=2, **options):
     for name in names:
         (folder / name).write_text(PART.format(x=30))
     plan = plan_study(Study.model_validate({"files": [*names], "machines": ["i3"]}), folder)
-    cases = [case.work for case in plan.cases]
+    works = [case.work._replace(id=str(i)) for i, case in enumerate(plan.cases)]
     engine = LocalEngine(jobs, compute=compute, **options)
     found = {}
     try:
-        # one shard, so that the deadly case has neighbours
-        for shard in plan.shards([w._replace(id=str(i)) for i, w in enumerate(cases)], 1e9, 0.1):
-            engine.submit(shard)
+        # one shard, so that a deadly case has neighbours
+        engine.submit(Shard(tuple(works), plan.machines.pickled, plan.order))
         while engine.busy:
             for done in engine.completed():
                 for work, result in zip(done.shard.works, done.results, strict=True):
@@ -188,8 +194,14 @@ def test_equal_cases_are_computed_once(tmp_path):
     for name in ("a.gcode", "b.gcode"):
         (tmp_path / name).write_text(PART.format(x=20))
     two = Study.model_validate({"files": ["*.gcode"], "machines": ["i3"]})
-    progress = run_study(plan_study(two, tmp_path), Inline(), tmp_path / "out", 1)
-    assert (progress.done, progress.reused) == (2, 1)
+    reused = []
+    run_study(
+        plan_study(two, tmp_path),
+        Inline(),
+        tmp_path / "out",
+        lambda progress, _: reused.append(progress.reused),
+    )
+    assert reused[-1] == 1
     assert len((tmp_path / "out/results.jsonl").read_text().splitlines()) == 1
     assert len((tmp_path / "out/results.csv").read_text().splitlines()) == 3
 

@@ -23,6 +23,9 @@ STUDY: Mapping[str, Entry] = {
         "line {value} is not a row of a study",
         "Choose another folder, or delete the file",
     ),
+    "study.cache": bad_input(
+        "file", "cannot be used as a cache: {value}", "Name another file with --cache"
+    ),
     "study.no-rows": bad_input(
         "file", "holds no results of a study", "Run `passo batch STUDY.toml --output` first"
     ),
@@ -53,7 +56,7 @@ STUDY: Mapping[str, Entry] = {
     "study.no-process": Entry(
         "computer",
         "processes for the study end at their start, by {value}",
-        "In a program, call passo.batch below `if __name__ == '__main__':`, or with jobs=1;"
+        "In a program, call passo.batch below `if __name__ == '__main__':`, or with jobs=0;"
         " else raise --memory",
         ExitStatus.MACHINE_FAULT,
     ),

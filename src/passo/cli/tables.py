@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from passo.job.batch.comparison import Comparison
     from passo.job.batch.estimate import Estimate
     from passo.job.batch.result import PrintResult
+    from passo.study.report import FileRows
 
 
 def columns(rows: Sequence[Sequence[str]], numbers: int = 0) -> str:
@@ -165,3 +166,23 @@ def lab_table(found: Comparison) -> str:
             ]
         )
     return f"{columns(lines, 10)}\n\n{found.reason()}"
+
+
+def study_table(found: Sequence[FileRows]) -> str:
+    """The best row of each file of a study."""
+    lines = [["file", "best", "time", "ringing", "width", "unbeaten", "failed"]]
+    for each in found:
+        best = each.best
+        if best is None:
+            figures = ["-", "-", "-", "-"]
+        else:
+            ringing, width = best.ringing_um, best.width_error
+            figures = [
+                best.name,
+                duration(best.time_s),
+                "-" if ringing is None else f"{ringing:.1f} µm",
+                "-" if width is None else f"{width:.1%}",
+            ]
+        counts = [str(sum(row.front for row in each.rows)), str(sum(each.failed.values()))]
+        lines.append([each.file, *figures, *counts])
+    return columns(lines, 5)

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import pickle
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import passo
 from passo import _core
+from passo.errors import InputError
+from passo.job.batch.source import chunks, open_source
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -27,8 +30,7 @@ class Order(NamedTuple):
 
 
 class Content(NamedTuple):
-    """A file: its path on this computer, its size in bytes, and the hash of its content, which is
-    empty if the file cannot be read."""
+    """A file: its path on this computer, its size in bytes, and the hash of its content."""
 
     path: str
     size: int
@@ -45,8 +47,8 @@ class Work(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """One row of a study. `file` and `machine` are the names of the study. A setting that the
-    machine file refuses has no `work`, but its `result`."""
+    """One row of a study. `file` and `machine` are the names of the study. A file that cannot be
+    read, and a setting that the machine file refuses, have no `work`, but a `result`."""
 
     file: str
     machine: str
@@ -79,13 +81,30 @@ def case_id(sha256: str, machine: str, order: Order) -> str:
 
 
 def content_of(path: Path) -> Content:
-    """The size and hash of a file; a file that cannot be read has none."""
+    """The size and hash of a file. Raises InputError if it cannot be read or is empty."""
+    digest = hashlib.sha256()
+    with open_source(path) as file:
+        for piece in chunks(file, str(path)):
+            digest.update(piece)
+        return Content(os.path.abspath(path), file.tell(), digest.hexdigest())  # noqa: PTH100
+
+
+def unchanged(file: Content) -> bool:
+    """Whether the file still has the content of its hash."""
     try:
-        with path.open("rb") as file:
-            digest = hashlib.file_digest(file, "sha256").hexdigest()
-            return Content(str(path), file.tell(), digest)
+        about = Path(file.path).stat()
     except OSError:
-        return Content(str(path), 0, "")
+        return False
+    return _hash_at(file.path, about.st_mtime_ns, about.st_size) == file.sha256
+
+
+@lru_cache(1024)
+def _hash_at(path: str, mtime_ns: int, size: int) -> str:
+    """The hash of a file; the times of its changes make one call for each content."""
+    try:
+        return content_of(Path(path)).sha256
+    except InputError:
+        return ""
 
 
 @cache

@@ -22,6 +22,11 @@ class Engine(Protocol):
     """The time that a shard should take, s."""
 
     @property
+    def workers(self) -> int:
+        """The number of shards that it computes at the same time."""
+        ...
+
+    @property
     def free(self) -> bool:
         """Whether another shard should be submitted now."""
         ...
@@ -49,6 +54,7 @@ class Inline:
     """Computes in this process, one shard at a time. A crash of the core ends the process."""
 
     shard_s = 1.0
+    workers = 1
 
     def __init__(self, compute: Compute = compute) -> None:
         self._compute = compute

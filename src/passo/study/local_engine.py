@@ -97,6 +97,7 @@ class LocalEngine:
         compute: Compute = compute,
         now: Callable[[], float] = time.monotonic,
     ) -> None:
+        self.workers = jobs
         self._timeout_s, self._memory_mb = timeout_s, memory_mb
         self._compute, self._now = compute, now
         self._lanes: list[_Lane | None] = [None] * jobs

@@ -13,12 +13,14 @@ from passo.config.load import load_text, machine_path, text_and_file
 from passo.errors import ConfigError, InputError
 from passo.study.case import Case, Content, Machines, Order, Work, case_id, content_of
 from passo.study.settings import Setting, settings_of
-from passo.study.work import Shard, failure, shard_of
+from passo.study.work import Result, Shard, failure, shard_of
 
 if TYPE_CHECKING:
+    from passo.study.engine import Engine
     from passo.study.study_file import Study, What
 
 _MAX_CASES = 500  # of a shard
+_SHARDS_PER_WORKER = 4  # at least, so that all workers end at about the same time
 # Processor time of a case on this many bytes: measured with sliced files, on a slow computer.
 _S_PER_BYTE: Mapping[What, float] = {"estimate": 3e-7, "print": 2e-6, "lab": 8e-6}
 _S_PER_CASE = 0.002
@@ -32,12 +34,11 @@ class Plan:
     machines: Machines
     order: Order
 
-    def shards(self, works: Iterable[Work], shard_s: float, workers: int) -> Iterator[Shard]:
-        """Shards that take about `shard_s` each, and less if there are too few for the workers.
-        Cases of one file stay together."""
-        works = list(works)
+    def shards(self, works: list[Work], engine: Engine) -> Iterator[Shard]:
+        """Shards that take about as long as the engine wants, and less if there are too few for all
+        its workers. Cases of one file stay together."""
         costs = [_S_PER_CASE + work.file.size * _S_PER_BYTE[self.order.what] for work in works]
-        most_s = min(shard_s, sum(costs) / (4 * workers))
+        most_s = min(engine.shard_s, sum(costs) / (_SHARDS_PER_WORKER * engine.workers))
         taken: list[Work] = []
         taken_s = 0.0
         for work, cost_s in zip(works, costs, strict=True):
@@ -71,8 +72,8 @@ def plan_study(study: Study, folder: Path) -> Plan:
     return Plan(cases, machines, order)
 
 
-def _files(patterns: Iterable[str], folder: Path) -> Iterator[tuple[str, Content]]:
-    """The name and the content of each file, each once."""
+def _files(patterns: Iterable[str], folder: Path) -> Iterator[tuple[str, Content | InputError]]:
+    """The name and the content of each file, or why it cannot be read; each file once."""
     seen: set[str] = set()
     for pattern in patterns:
         if (folder / pattern).exists():  # a name with brackets is no pattern
@@ -85,7 +86,10 @@ def _files(patterns: Iterable[str], folder: Path) -> Iterator[tuple[str, Content
         for name in names:
             if name not in seen:
                 seen.add(name)
-                yield name, content_of(folder / name)
+                try:
+                    yield name, content_of(folder / name)
+                except InputError as error:
+                    yield name, error
 
 
 def _made(
@@ -108,15 +112,21 @@ def _made(
 
 def _case(
     file: str,
-    content: Content,
+    content: Content | InputError,
     name: str,
     setting: Setting,
     machine: str | ConfigError,
     order: Order,
 ) -> Case:
+    if isinstance(content, InputError):
+        return _failed(file, name, setting, order, failure("input", content.problems[0]))
     if isinstance(machine, ConfigError):
-        problem = machine.problems[0]
-        id_ = case_id(content.sha256, f"{name} {dict(setting)}", order)
-        return Case(file, name, setting, id_, None, failure("config", problem))
-    id_ = case_id(content.sha256 or file, machine, order)
+        return _failed(file, name, setting, order, failure("config", machine.problems[0]))
+    id_ = case_id(content.sha256, machine, order)
     return Case(file, name, setting, id_, Work(id_, content, machine))
+
+
+def _failed(file: str, name: str, setting: Setting, order: Order, result: Result) -> Case:
+    """A case that needs no computation."""
+    id_ = case_id(result["message"], f"{name} {dict(setting)}", order)
+    return Case(file, name, setting, id_, None, result)

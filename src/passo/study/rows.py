@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
@@ -44,9 +44,11 @@ class Rows:
             whole += len(line)
         self._file.truncate(whole)
 
-    def add(self, rows: list[tuple[Case, Result]]) -> None:
-        """Appends the rows of a shard. Raises InputError."""
-        text = "".join(f"{json.dumps(row_of(case, result))}\n" for case, result in rows)
+    def add(self, rows: Iterable[Mapping[str, Any]]) -> None:
+        """Appends rows. A row of a file that has changed is not kept, because the file has another
+        id now. Raises InputError."""
+        kept = (row for row in rows if row["status"] != "changed")
+        text = "".join(f"{json.dumps(row)}\n" for row in kept)
         try:
             self._file.write(text.encode())
             self._file.flush()

@@ -5,7 +5,10 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Generator, Iterable, Mapping
+from contextlib import contextmanager
+from importlib import import_module
+from importlib.util import find_spec
 from io import StringIO
 from pathlib import Path
 from typing import Any, cast
@@ -44,17 +47,46 @@ def table_of(rows: Iterable[Mapping[str, Any]]) -> tuple[list[str], list[dict[st
     return [*first, *(n for n in names if n not in (*first, *ends)), *ends], lines
 
 
-def write_csv(folder: Path, rows: Iterable[Mapping[str, Any]]) -> Path:
-    """Writes the table as CSV, completely or not at all. Raises InputError."""
+def write_table(folder: Path, rows: Iterable[Mapping[str, Any]]) -> None:
+    """Writes the table, completely or not at all: as CSV, and as Parquet if pyarrow is installed.
+    Raises InputError."""
     columns, lines = table_of(rows)
+    _write_csv(folder / CSV, columns, lines)
+    if find_spec("pyarrow") is not None:
+        _write_parquet(folder / PARQUET, columns, lines)
+
+
+def _write_csv(path: Path, columns: list[str], lines: list[dict[str, Any]]) -> None:
     text = StringIO()
     writer = csv.DictWriter(text, columns, restval="", lineterminator="\n")
     writer.writeheader()
     writer.writerows(lines)
-    path = folder / CSV
+    with _written(path) as temporary:
+        temporary.write_text(text.getvalue(), encoding="utf-8", newline="")
+
+
+def _write_parquet(path: Path, columns: list[str], lines: list[dict[str, Any]]) -> None:
+    pyarrow, parquet = import_module("pyarrow"), import_module("pyarrow.parquet")
+    table = pyarrow.table({name: _column([line.get(name) for line in lines]) for name in columns})
+    with _written(path) as temporary:
+        parquet.write_table(table, temporary)
+
+
+def _column(values: list[Any]) -> list[Any]:
+    """A column with values of one kind: numbers, else texts."""
+    kinds: set[object] = {type(value) for value in values if value is not None}
+    if kinds == {int, float}:
+        return [value if value is None else float(value) for value in values]
+    if len(kinds) > 1:
+        return [value if value is None else str(value) for value in values]
+    return values
+
+
+@contextmanager
+def _written(path: Path) -> Generator[Path]:
     try:
         with replaced(path) as temporary:
-            temporary.write_text(text.getvalue(), encoding="utf-8", newline="")
+            yield temporary
     except OSError as error:
-        raise InputError.of("study.results", str(path), value=error.strerror) from None
-    return path
+        reason = error.strerror or str(error)
+        raise InputError.of("study.results", str(path), value=reason) from None

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from passo.errors import MachineError, Problem, in_words
 from passo.job.batch.source import open_source
-from passo.study.case import Content, Order, Work
+from passo.study.case import Content, Order, Work, unchanged
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -28,6 +28,7 @@ STATUSES: Mapping[str, tuple[str, str]] = {
         "[errors](errors.md)",
     ),
     "config": ("the machine file does not allow this setting", "change the values of the key"),
+    "changed": ("the file has changed while the study ran", "run the study again"),
     "failed": ("the simulated printer halted", "read `message`"),
     "crash": (
         "the process ended twice, the second time alone with this case",
@@ -62,6 +63,8 @@ def compute(shard: Shard) -> list[Result]:
 
 def result_of(file: Content, machine: MachineConfig, order: Order) -> Result:
     """The result of one case."""
+    if not unchanged(file):
+        return failure("changed", Problem("study.changed"))
     try:
         return {"status": "ok", **_FIGURES[order.what](file.path, machine, order)}
     except MemoryError:
