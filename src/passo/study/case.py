@@ -12,10 +12,10 @@ from functools import cache, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import passo
 from passo import _core
 from passo.errors import InputError
 from passo.job.batch.source import chunks, open_source
+from passo.version import __version__
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -110,12 +110,12 @@ def _hash_at(path: str, mtime_ns: int, size: int) -> str:
 @cache
 def program_digest() -> str:
     """The version of Passo, with the hash of its Python files and of its core."""
-    root = Path(passo.__file__).parent
+    root = Path(__file__).parents[1]
     digest = hashlib.sha256(Path(_core.__file__).read_bytes())
     for path in sorted(root.rglob("*.py")):
         digest.update(path.relative_to(root).as_posix().encode())
         digest.update(path.read_bytes())
-    return f"{passo.__version__}+{digest.hexdigest()[:32]}"
+    return f"{__version__}+{digest.hexdigest()[:32]}"
 
 
 def _hash(text: str) -> str:

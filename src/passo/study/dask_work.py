@@ -9,12 +9,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
-import passo
 from passo import config
 from passo.job.batch.policy import Policy
 from passo.job.batch.simulated_print import Print
 from passo.study.case import Content, unchanged
 from passo.study.work import Result, Shard, compute, split
+from passo.version import __version__
 
 _TEST = """G28
 G92 E0
@@ -48,7 +48,7 @@ def identity() -> Identity:
         path = Path(folder, "test.gcode")
         path.write_text(_TEST, encoding="utf-8")
         result = Print(config.load("i3"), Policy()).run(path)
-    return Identity(passo.__version__, result.stream_hash)
+    return Identity(__version__, result.stream_hash)
 
 
 def run_shard(shard: Shard, contents: Mapping[str, bytes], timeout_s: float) -> Outcome:
