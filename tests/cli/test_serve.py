@@ -6,10 +6,13 @@ import signal
 import subprocess
 import sys
 from functools import partial
+from pathlib import Path
 
 import pytest
+from tests.config.test_import_klipper import BASE
 
-from passo.cli.main import endings
+from passo.cli.main import endings, main
+from passo.cli.simulated_state import simulated_state
 from passo.config import shipped_text
 
 ENDINGS = [signal.SIGTERM, signal.SIGINT, signal.SIGHUP]
@@ -57,3 +60,52 @@ def test_any_machine_runs_on_simulated_boards(tmp_path):
     assert "X:50.000 Y:0.000 Z:0.000 E:2.0000 Count X:4000 Y:0 Z:0" in run.stdout
     assert [path.name for path in state.iterdir()] == ["simulated"]
     assert (state / "simulated" / "settings.json").exists()
+
+
+def test_simulated_printer_begins_with_copies_of_meshes_and_settings(tmp_path: Path):
+    (tmp_path / "meshes").mkdir()
+    (tmp_path / "meshes" / "default.json").write_text("imported")
+    (tmp_path / "settings.json").write_text("stored")
+    (tmp_path / "journal").write_text("a place of the real printer")
+    own = simulated_state(tmp_path)
+    assert sorted(path.name for path in own.iterdir()) == ["meshes", "settings.json"]
+    assert (own / "meshes" / "default.json").read_text() == "imported"
+    (own / "settings.json").write_text("changed")
+    assert simulated_state(tmp_path) == own  # not copied again
+    assert (own / "settings.json").read_text() == "changed"
+    assert (tmp_path / "settings.json").read_text() == "stored"
+
+
+def test_simulated_printer_loads_a_mesh_that_an_import_has_stored(tmp_path: Path):
+    source, machine, state = tmp_path / "printer.cfg", tmp_path / "mine.toml", tmp_path / "state"
+    mesh = "".join(
+        f"#*# {line}\n"
+        for line in (
+            "<---------------------- SAVE_CONFIG ---------------------->",
+            "DO NOT EDIT THIS BLOCK OR BELOW. The contents are auto-generated.",
+            "",
+            "[bed_mesh mine]",
+            "version = 1",
+            "points =",
+            "\t  0.1, 0.1, 0.1",
+            "\t  0.1, 0.2, 0.1",
+            "\t  0.1, 0.1, 0.1",
+            "min_x = 30.0",
+            "max_x = 130.0",
+            "min_y = 30.0",
+            "max_y = 130.0",
+            "x_count = 3",
+            "y_count = 3",
+            "algo = lagrange",
+        )
+    )
+    source.write_text(f"{BASE}[probe]\npin: PC0\nz_offset: 1\n{mesh}")
+    assert main(["import", str(source), "--output", str(machine), "--state", str(state)]) == 0
+    words = [sys.executable, "-m", "passo", "serve", "--machine", str(machine), "--simulated"]
+    words += ["--clock", "fast", "--stdin", "--http", "none", "--state", str(state)]
+    lines = "BED_MESH_PROFILE LOAD=mine\nBED_MESH_PROFILE LOAD=other\n"
+    run = subprocess.run(words, input=lines, capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    loaded, refused = run.stdout.strip().split("ok\n", 1)
+    assert "other" in refused and "mine" in refused
+    assert "// Mesh mine is in use: 3 × 3 points" in loaded

@@ -161,6 +161,25 @@ def test_homing_has_side_pin_position_and_speeds(load) -> None:
     assert any("HOMING_BUMP_MM" in text for text in remarks(draft, "changed"))
 
 
+def test_stall_homing_has_threshold_current_and_speed(load) -> None:
+    """X and Y of a TMC2130 each, whose DIAG outputs are on the pins of the switches."""
+    driver = "#define {0}_CURRENT 500\n#define {0}_CURRENT_HOME (500/2)\n#define {0}_CS_PIN {1}\n"
+    more = "#define SENSORLESS_HOMING\n#define X_STALL_SENSITIVITY 3\n"
+    more += "#define Y_STALL_SENSITIVITY -4\n#define TMC_SW_SCK 52\n#define TMC_SW_MOSI 51\n"
+    more += "#define TMC_SW_MISO 50\n#define TMC_USE_SW_SPI\n"
+    more += driver.format("X", 63) + driver.format("Y", 40)
+    drivers = "X_DRIVER_TYPE TMC2130\n#define Y_DRIVER_TYPE TMC2130"
+    draft, machine = load(("X_DRIVER_TYPE DRV8825", drivers), more=more)
+    x, y = machine.homing["x"], machine.homing["y"]
+    assert x.stall is not None and y.stall is not None
+    assert (x.stall.threshold, x.stall.current_a, x.fast) == (3, 0.25, 50)
+    assert (y.stall.threshold, y.direction, y.position) == (-4, "max", 200)
+    assert x.pin is None
+    tmc = machine.steppers["x"].tmc
+    assert tmc is not None and tmc.diag1_pin is not None and "X_MIN" in tmc.diag1_pin
+    assert not [r for r in draft.remarks if "STALL" in r.what]
+
+
 def test_homing_that_passo_does_not_have_is_reported(load) -> None:
     more = "#define SENSORLESS_HOMING\n#define Y_STALL_SENSITIVITY 8\n"
     more += "#define Z_SAFE_HOMING\n#define Z_HOMING_HEIGHT 4\n"

@@ -29,9 +29,12 @@ def homed(s):
     return [line for line in s.host.ok("G28 X", 60) if "busy" not in line]
 
 
-@pytest.mark.parametrize("firmware", ["virtual", "passo"])
-def test_axis_homes_by_a_stall_and_rests_off_the_stop(firmware):
-    with Scenario(silent_machine(more=", current_a = 0.5", firmware=firmware)) as s:
+@pytest.mark.parametrize(
+    ("chip", "firmware"), [("TMC2209", "virtual"), ("TMC2209", "passo"), ("TMC2226", "virtual")]
+)
+def test_axis_homes_by_a_stall_and_rests_off_the_stop(chip, firmware):
+    text = silent_text(more=", current_a = 0.5", firmware=firmware).replace("TMC2209", chip)
+    with Scenario(config.load_text(text, "stall.toml")) as s:
         assert homed(s) == ["ok"]
         assert s.positions()["x"] == pytest.approx(3.0, abs=0.02)
         assert "X:3.000" in s.host.ok("M114")[0]
@@ -97,7 +100,7 @@ def test_stall_that_stays_shown_names_pin_and_wire():
         assert "the driver x at ^!X_MIN shows a stall while its motor is at rest" in homed(s)[0]
 
 
-@pytest.mark.parametrize("chip", ["TMC2130", "TMC5160"])
+@pytest.mark.parametrize("chip", ["TMC2130", "TMC2240", "TMC5160"])
 @pytest.mark.parametrize("key", ["diag0_pin", "diag1_pin"])
 def test_drivers_on_spi_home_in_spreadcycle(chip, key):
     with Scenario(spi_machine(chip, key, 3)) as s:

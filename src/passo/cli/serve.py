@@ -18,6 +18,7 @@ from passo.cli.clock import factor
 from passo.cli.log_file import LEVELS, LogFile
 from passo.cli.machine_option import add_machine, add_policy, add_skips, skips_of
 from passo.cli.main import endings
+from passo.cli.simulated_state import simulated_state
 from passo.errors import ExitStatus
 
 if TYPE_CHECKING:
@@ -40,7 +41,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--simulated",
         action="store_true",
         help="simulated boards in place of the real ones, to see this printer before it is"
-        " connected. Its state is kept apart, in DIR/simulated of --state DIR",
+        " connected. Its state is kept apart, in DIR/simulated of --state DIR, which begins with"
+        " copies of the meshes and settings in DIR",
     )
     parser.add_argument(
         "--clock",
@@ -270,11 +272,10 @@ def _with_boards(machine: MachineConfig, arguments: argparse.Namespace) -> Machi
 
 
 def _state_of(arguments: argparse.Namespace) -> str | None:
-    """The folder of the state. That of simulated boards is inside the folder of the real printer,
-    so that neither uses settings, meshes or journals of the other."""
+    """The folder of the state; for `--simulated` that of `simulated_state`."""
     if arguments.state is None or not arguments.simulated:
         return arguments.state
-    return str(Path(arguments.state) / "simulated")
+    return str(simulated_state(Path(arguments.state)))
 
 
 async def _list_faults(machine: MachineConfig) -> None:
