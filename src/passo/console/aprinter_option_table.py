@@ -12,7 +12,7 @@ from passo.config import platinum
 from passo.config.sensor_tables import sensor_table
 from passo.config.sensors import Platinum, PlatinumAmplifier, Thermistor
 from passo.heat.rules import FULL_POWER
-from passo.motion.homing import SLOW_OVERRUN
+from passo.motion.endstop_search import SLOW_OVERRUN
 from passo.printer.commands.extruder_words import extruders
 from passo.probes.base import SensingProbe
 
