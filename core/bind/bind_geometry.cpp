@@ -68,9 +68,11 @@ void bind_geometry(nb::module_& m) {
           "actuator"_a, "point"_a, "Position of an actuator; NaN if it cannot reach the point.")
       .def(
           "forward",
-          [](const GeometryView& self, const Point& q) {
+          [](const GeometryView& self, const std::vector<double>& q) {
             double p[3];
-            if (!self.geometry->forward(Array(q).p, p))
+            if (int(q.size()) != self.geometry->actuators())
+              throw nb::value_error("one position for each actuator");
+            if (!self.geometry->forward(q.data(), p))
               throw nb::value_error("no nozzle position belongs to these");
             return Point(p[0], p[1], p[2]);
           },

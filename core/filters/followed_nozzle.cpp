@@ -47,7 +47,7 @@ PASSO_SIMD void fit_quadratics(int n, double per_unit, double near_ticks,
 
 }  // namespace
 
-void FollowedNozzle::fit(const Track& track, Fit& to) const {
+void FollowedNozzle::fit(const Track& track, double near, Fit& to) const {
   to.law.reserve(track.n);
   const size_t room = to.law.q.size();
   for (auto* x : {&to.accel, &to.odd, &to.even}) x->resize(room);
@@ -56,6 +56,11 @@ void FollowedNozzle::fit(const Track& track, Fit& to) const {
                  track.t.data(), to.law.middle.data(), to.law.q.data(), to.law.v0.data(),
                  to.law.v1.data(), to.accel.data(), to.odd.data(), to.even.data(),
                  to.law.error.data());
+  if (machine_.geometry->turn(spec_.index) == 0) return;
+  const double by =
+      nearest_turn(*machine_.geometry, spec_.index, spec_.steps_per_unit, to.law.q[0], near) -
+      to.law.q[0];
+  for (size_t i = 0; i <= track.n; ++i) to.law.q[i] += by;
 }
 
 }  // namespace passo

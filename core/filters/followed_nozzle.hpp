@@ -18,15 +18,19 @@ class FollowedNozzle {
   double t() const { return track_.t[track_.n]; }
   double q() const {
     const double at[3] = {track_.p[0][0], track_.p[1][0], track_.p[2][0]};
-    return machine_.geometry->inverse(spec_.index, at) * spec_.steps_per_unit;
+    return nearest_turn(*machine_.geometry, spec_.index, spec_.steps_per_unit,
+                        machine_.geometry->inverse(spec_.index, at) * spec_.steps_per_unit, near_);
   }
+  // A motor that turns without end has this step count.
+  void keep_turns(double count) { near_ = count; }
   double earliest() const { return 0; }
 
   // Passes on the whole track by sink.bent, see law.hpp.
   template <class Sink>
   void advance(double, bool, Sink& sink) {
-    fit(track_, fit_);
+    fit(track_, near_, fit_);
     pass_on(track_, fit_, 0, sink);
+    near_ = fit_.law.q[track_.n];
   }
   // This law has no phases of its own.
   size_t needed(const Phases*) const { return 0; }
@@ -47,8 +51,10 @@ class FollowedNozzle {
   Fit fit_;
   std::deque<Fit> parts_;  // buffers, by depth of division
 
-  // Fits quadratics to the motor's law along a track.
-  void fit(const Track& track, Fit& to) const;
+  double near_ = 0;        // steps at the start of the track, within half a turn
+
+  // Fits quadratics to the motor's law along a track, which starts near `near` steps.
+  void fit(const Track& track, double near, Fit& to) const;
   // Passes on the quadratics. Divides intervals where the error is too large.
   template <class Sink>
   void pass_on(const Track& track, const Fit& fits, size_t depth, Sink& sink) {
@@ -63,7 +69,7 @@ class FollowedNozzle {
       if (parts_.size() == depth) parts_.emplace_back();
       Fit& parts = parts_[depth];
       parts.track.divide(track, i, kParts);
-      fit(parts.track, parts);
+      fit(parts.track, law.q[i], parts);
       pass_on(parts.track, parts, depth + 1, sink);
     }
   }

@@ -69,6 +69,11 @@ class Law {
   double q() const {
     return std::visit([](const auto& form) { return form.q(); }, form_);
   }
+  // Of a motor that turns without end: its step count at the start of the law. Call this after
+  // start().
+  void keep_turns(double count) {
+    if (FollowedNozzle* form = std::get_if<FollowedNozzle>(&form_)) form->keep_turns(count);
+  }
   // Ticks by which the law is known beyond the end of the plan.
   double earliest() const {
     return std::visit([](const auto& form) { return form.earliest(); }, form_);

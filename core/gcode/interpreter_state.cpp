@@ -14,7 +14,8 @@ Interpreter::Interpreter(const Machine& machine, std::vector<double> home, const
       change_(machine.extruders.size(), Change{100, 100}), drawn_(machine.extruders.size()),
       strands_(machine.extruders.size()), retraction_(machine.retraction) {
   std::fill(std::begin(letter_slot_), std::end(letter_slot_), int8_t(-1));
-  for (size_t i = 0; i < machine.axes.size(); ++i)
+  // Without actuators no motor moves X, Y and Z: such a machine does not have their letters.
+  for (size_t i = machine.geometry->actuators() > 0 ? 0 : 3; i < machine.axes.size(); ++i)
     letter_slot_[machine.axes[i].letter - 'A'] = int8_t(slot_of_axis(int(i)));
   if (!machine.extruders.empty()) letter_slot_['E' - 'A'] = kE;
   for (int j = 0; j < kAxes; ++j) low_[j] = -kInfinity, high_[j] = kInfinity;
@@ -38,14 +39,15 @@ Interpreter::Interpreter(const Machine& machine, std::vector<double> home, const
 // Measures how far one motor step moves each axis at the home position.
 void Interpreter::measure_steps() {
   const Geometry& geometry = *machine_->geometry;
-  double step[3] = {}, q[3], p[3];
+  double step[Geometry::kMostActuators] = {}, q[Geometry::kMostActuators], p[3];
   for (const StepperSpec& s : machine_->steppers) {
     if (s.drive == Drive::extruder) continue;
     double& mm = s.drive == Drive::axis ? home_step_[slot_of_axis(s.index)] : step[s.index];
     mm = std::max(mm, 1 / s.steps_per_unit);
   }
   for (int i = 0; i < geometry.actuators(); ++i) {
-    for (int k = 0; k < 3; ++k) q[k] = geometry.inverse(k, homed_) + (k == i ? step[k] : 0);
+    for (int k = 0; k < geometry.actuators(); ++k)
+      q[k] = geometry.inverse(k, homed_) + (k == i ? step[k] : 0);
     if (!geometry.forward(q, p)) continue;
     for (int j = 0; j < 3; ++j)
       if (const double mm = std::fabs(p[j] - homed_[j]); mm < kInfinity) home_step_[j] += mm;

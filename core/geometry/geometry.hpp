@@ -1,6 +1,7 @@
 // The interface of a geometry for the planner and the step solver. Each geometry implements it in a
 // file of its own, and registry.hpp lists it.
 #pragma once
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -28,7 +29,8 @@ struct Crossings {
     int32_t first;  // index in `s` of the first crossing
     int32_t dir;    // +1 or -1
   };
-  int64_t k0 = 0;         // step count at the start of the path
+  double near = 0;        // of the caller: the motor's step count before the path
+  int64_t k0 = 0;         // step count at the start; of a motor that turns without end, near `near`
   UnsetDoubles s;         // path positions, ascending within 0…length
   std::vector<Run> runs;  // runs of one direction, as long as possible; empty if there is no step
   void clear() {
@@ -40,14 +42,19 @@ struct Crossings {
 
 class Geometry {
  public:
+  static constexpr int kMostActuators = 8;
+
   virtual ~Geometry() = default;
-  // Number of actuators that move the nozzle in X, Y and Z.
+  // Number of actuators that move the nozzle in X, Y and Z, at most kMostActuators.
   virtual int actuators() const = 0;
   // True if actuator i is linear: its position is c·(x, y, z). Then the solver uses a closed form,
   // and does not call slopes() or crossings().
   virtual bool linear(int i, double c[3]) const = 0;
   // Position of actuator i at p, in mm or degrees; NaN if it cannot reach p.
   virtual double inverse(int i, const double p[3]) const = 0;
+  // The period of actuator i if it may turn without end: positions that differ by this are one
+  // place, and inverse() returns any of them. 0: each position is a place of its own.
+  virtual double turn(int) const { return 0; }
   // Position of the nozzle if the actuators are at q. Returns false for an impossible q.
   virtual bool forward(const double* q, double p[3]) const = 0;
   // First and second derivative of actuator i's position with respect to the path position s.
@@ -65,5 +72,13 @@ class Geometry {
     return std::numeric_limits<double>::infinity();
   }
 };
+
+// The position of actuator i, in steps, that is nearest to `near` among those at the same place as
+// `steps`. A motor that turns without end so keeps its turns: its step count is their memory.
+inline double nearest_turn(const Geometry& geometry, int i, double steps_per_unit, double steps,
+                           double near) {
+  const double period = geometry.turn(i) * steps_per_unit;
+  return period > 0 ? steps + period * std::floor((near - steps) / period + 0.5) : steps;
+}
 
 }  // namespace passo

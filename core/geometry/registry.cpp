@@ -8,9 +8,12 @@
 #include "geometry/delta.hpp"
 #include "geometry/deltesian.hpp"
 #include "geometry/dual_scara.hpp"
+#include "geometry/motionless.hpp"
+#include "geometry/polar.hpp"
 #include "geometry/rotary_delta.hpp"
 #include "geometry/scara.hpp"
 #include "geometry/skewed.hpp"
+#include "geometry/winch.hpp"
 
 namespace passo {
 
@@ -43,6 +46,9 @@ std::unique_ptr<Geometry> rectangular(const std::string& kind, const GeometryPar
                                        number("proximal1"), number("proximal2"), number("distal1"),
                                        number("distal2"), number("x_offset"), number("y_offset"),
                                        list("middles").at(0), list("middles").at(1));
+  if (kind == "polar") return std::make_unique<Polar>(number("centre"));
+  if (kind == "winch") return std::make_unique<Winch>(list("anchors"), number("side"));
+  if (kind == "none") return std::make_unique<Motionless>();
   throw std::invalid_argument("unknown geometry " + kind);
 }
 

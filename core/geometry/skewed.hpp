@@ -21,6 +21,7 @@ class Skewed : public Geometry {
     c[1] -= c[0] * xy_;
     return true;
   }
+  double turn(int i) const override { return axes_->turn(i); }
   double inverse(int i, const double p[3]) const override {
     double at[3];
     shear(p, at);

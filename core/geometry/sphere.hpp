@@ -203,8 +203,8 @@ class SphereSolver {
   }
 };
 
-// The lower intersection of three spheres with centres c and radii r.
-inline bool trilaterate(const double c[3][3], const double r[3], double p[3]) {
+// The lower intersection of three spheres with centres c and radii r; the upper one with `side` -1.
+inline bool trilaterate(const double c[3][3], const double r[3], double p[3], double side = 1) {
   double ex[3], ey[3], ez[3], v[3], u = 0, i = 0, j = 0;
   for (int k = 0; k < 3; ++k) u += (c[1][k] - c[0][k]) * (c[1][k] - c[0][k]);
   u = std::sqrt(u);
@@ -220,7 +220,7 @@ inline bool trilaterate(const double c[3][3], const double r[3], double p[3]) {
   double y = (r[0] * r[0] - r[2] * r[2] + i * i + j * j - 2 * i * x) / (2 * j);
   double z2 = r[0] * r[0] - x * x - y * y;
   if (!(z2 >= 0)) return false;
-  double z = (ez[2] > 0 ? -1 : 1) * std::sqrt(z2);
+  double z = (ez[2] > 0 ? -side : side) * std::sqrt(z2);
   for (int k = 0; k < 3; ++k) p[k] = c[0][k] + x * ex[k] + y * ey[k] + z * ez[k];
   return true;
 }

@@ -13,7 +13,8 @@ void Geometry::follow(int i, const Track& track, Followed& out) const {
   out.reserve(track.n);
   auto place = [&](const double at[3], double& q) {
     const double found = inverse(i, at);
-    if (found == found) q = found;  // out of reach the actuator stays
+    // Out of reach the actuator stays.
+    if (found == found) q = nearest_turn(*this, i, 1, found, q);
   };
   auto speed = [&](const double at[3], const double v[3]) {
     const Path tangent{{at[0], at[1], at[2]}, {at[0] + v[0], at[1] + v[1], at[2] + v[2]}, 1};

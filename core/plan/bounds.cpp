@@ -240,8 +240,9 @@ Bounds::Sample Bounds::sample(const Move& m, const Constraints& constraints, dou
   path.length = m.d;
   double v = std::sqrt(m.vn2), a = m.a;
   LimitId speed_id = m.speed_limit, accel_id = m.accel_limit;
-  double q1[8], q2[8], line2[8];  // the last without an arc's own bend
-  int n = std::min(8, machine_.geometry->actuators());
+  constexpr int kMost = Geometry::kMostActuators;
+  double q1[kMost], q2[kMost], line2[kMost];  // the last without an arc's own bend
+  const int n = machine_.geometry->actuators();
   const Bed bed = bed_below(m);
   const Turn turn = turn_of(m);
   Path inwards{{}, {}, 1};

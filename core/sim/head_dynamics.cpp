@@ -65,7 +65,7 @@ double HeadDynamics::next_step() const {
 }
 
 bool HeadDynamics::forward(double p[3]) const {
-  double q[3];
+  double q[Geometry::kMostActuators];
   for (size_t i = 0; i < actuators(); ++i) q[i] = tracks_[i].position;
   return geometry_->forward(q, p);
 }

@@ -72,8 +72,8 @@ class HeadDynamics {
   double hz_, last_step_ = 0;
   std::shared_ptr<const Geometry> geometry_;
   bool linear_ = true;
-  double columns_[3][3] =
-      {};  // of each actuator, its factors for the axes, if the geometry is linear
+  // Of each actuator, its factors for the axes, if the geometry is linear.
+  double columns_[Geometry::kMostActuators][3] = {};
   std::array<BeltMass, 3> masses_;
   std::array<double, 3> moved_{};  // clock up to which each mass is calculated
   std::vector<NozzlePressure> nozzles_;

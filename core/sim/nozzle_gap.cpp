@@ -57,7 +57,7 @@ void NozzleGap::run(double clock) {
 
 void NozzleGap::sample(double clock, const std::array<double, 3>& offset) {
   run(clock);
-  double q[3], p[3];
+  double q[Geometry::kMostActuators], p[3];
   for (int i = 0; i < geometry_->actuators(); ++i) q[i] = tracks_[size_t(i)].position;
   if (!geometry_->forward(q, p)) return;
   double z = p[2];

@@ -18,7 +18,7 @@ void FilteredSolver::use_gap() {
   backlash_.set(gap.mm * spec_.steps_per_unit, gap.over_mm * spec_.steps_per_unit);
 }
 
-void FilteredSolver::add(const Move& m, double until) {
+void FilteredSolver::add(const Move& m, double until, const StepSolver& of) {
   if (m.kind == MoveKind::dwell) {
     if (going_) law_.resume(std::min(m.end(), until));
     return;
@@ -32,16 +32,17 @@ void FilteredSolver::add(const Move& m, double until) {
     law_.begin(m);
     steps_.expect(law_.parts());
     going_ = true;
-    if (until == kNeverTicks) start(m.start, false);
+    if (until == kNeverTicks) start(m.start, false, of);
   }
   law_.add(m, until);
   if (!idle) std::copy_n(m.p1, kAxes, goal_);
   tolerances_.add(m.start + delay_, m.tolerance);
 }
 
-void FilteredSolver::start(double clock, bool resumes) {
+void FilteredSolver::start(double clock, bool resumes, const StepSolver& of) {
   owed_since_ = clock;
   law_.start(clock);
+  law_.keep_turns(double(of.count()));
   const double q = law_.q();
   if (takes_up_gap() && resumes)
     backlash_.resume(clock, q, original_->backlash_);
@@ -54,10 +55,10 @@ void FilteredSolver::restart(double clock, const std::vector<Move>& past, StepSo
   going_ = false;
   owed_ = 0;
   tolerances_ = {};
-  for (const Move& m : past) add(m, clock);
+  for (const Move& m : past) add(m, clock, of);
   if (going_) {
     law_.resume(clock);
-    start(clock, true);
+    start(clock, true, of);
     if (!counts_on()) owed_ = steps_.count() - of.count();
   } else {
     backlash_.stand(clock, original_->backlash_);
@@ -68,7 +69,7 @@ void FilteredSolver::restart(double clock, const std::vector<Move>& past, StepSo
 void FilteredSolver::solve(const std::vector<Move>& moves, double known, bool last, StepSolver& of,
                            Steps& out) {
   const bool was_going = going_;
-  for (const Move& m : moves) add(m, kNeverTicks);
+  for (const Move& m : moves) add(m, kNeverTicks, of);
   if (!going_) return;
   if (!was_going && !counts_on()) owed_ = steps_.count() - of.count();
   if (last) law_.stand();

@@ -59,8 +59,8 @@ class FilteredSolver {
   TimedTolerances tolerances_;
   Steps late_;
 
-  void add(const Move& m, double until);
-  void start(double clock, bool resumes);
+  void add(const Move& m, double until, const StepSolver& of);
+  void start(double clock, bool resumes, const StepSolver& of);
   bool takes_up_gap() const { return backlash_.on() && !law_.follows_nozzle(); }
   // Pieces have no step count of their own: their steps continue the motor's count.
   bool counts_on() const { return law_.parts() == PartKind::pieces; }

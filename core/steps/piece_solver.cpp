@@ -39,10 +39,13 @@ struct PieceSolver::Curved {
   const PieceSolver& s;
   const Piece& p;
   HeightMap::Lift bed;
+  double near = 0;  // of a motor that turns without end: its step count at the start of the piece
   double value(double t) const {
     double at[3] = {p.position(kX, t), p.position(kY, t), p.position(kZ, t)};
     at[kZ] += bed.at(at[kX], at[kY], at[kZ]);
-    return s.machine_.geometry->inverse(s.spec_.index, at) * s.spec_.steps_per_unit;
+    return nearest_turn(*s.machine_.geometry, s.spec_.index, s.spec_.steps_per_unit,
+                        s.machine_.geometry->inverse(s.spec_.index, at) * s.spec_.steps_per_unit,
+                        near);
   }
   // Slope along the tangent, on which the nozzle moves by one unit per second.
   double slope(double t) const {
@@ -109,17 +112,18 @@ bool PieceSolver::rests(const double* from, const double* to, int64_t count) con
 int64_t PieceSolver::solve(const Piece& p, int64_t count, int64_t target, bool ends_path,
                            Steps& out) {
   if (!moves(p)) return count;
+  const double begin = double(count);
   if (!raised()) {
     double whole[] = {0, p.seconds};
     if (straight_)
       count = solve_along(Straight(*this, p), p, whole, 1, count, out);
     else
-      count = solve_along(Curved{*this, p, {}}, p, whole, parts(p), count, out);
+      count = solve_along(Curved{*this, p, {}, begin}, p, whole, parts(p), count, out);
   } else {
     find_lines(p);
     for (size_t i = 1; i < lines_.size(); ++i) {
       double middle = 0.5 * (lines_[i - 1] + lines_[i]);
-      Curved curve{*this, p, lift_at(p, middle)};
+      Curved curve{*this, p, lift_at(p, middle), begin};
       // Above one cell, the position of a linear motor is a polynomial of degree 4 in t, if the
       // piece is part of a move. In a fade the degree is 3 at constant speed, and 6 otherwise.
       bool fades = curve.bed.factor.by_z != 0 && p.speed(kZ, middle) != 0;
@@ -141,7 +145,7 @@ void PieceSolver::check(const Piece& p) const {
     if (straight_ && !raised()) {
       q = Straight(*this, p).value(t), rate = Straight(*this, p).slope(t);
     } else {
-      Curved curve{*this, p, raised() ? lift_at(p, t) : HeightMap::Lift{}};
+      Curved curve{*this, p, raised() ? lift_at(p, t) : HeightMap::Lift{}, 0};
       q = curve.value(t), rate = curve.slope(t);
     }
     q /= spec_.steps_per_unit;

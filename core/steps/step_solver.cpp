@@ -45,11 +45,13 @@ void StepSolver::solve(const Piece& p, Steps& out) {
 
 double StepSolver::position(const double* p) const {
   if (machine_.joints && spec_.drive == Drive::actuator)
-    return p[spec_.index] * spec_.steps_per_unit;
+    return spec_.index < 3 ? p[spec_.index] * spec_.steps_per_unit : double(count_ - lead_);
   if (axis_ >= 0) return p[axis_] * spec_.steps_per_unit;
   double at[3] = {p[0], p[1], pieces_.raised() ? machine_.raised(p) : p[2]};
   if (linear_) return (c_[0] * at[0] + c_[1] * at[1] + c_[2] * at[2]) * spec_.steps_per_unit;
-  return machine_.geometry->inverse(spec_.index, at) * spec_.steps_per_unit;
+  return nearest_turn(*machine_.geometry, spec_.index, spec_.steps_per_unit,
+                      machine_.geometry->inverse(spec_.index, at) * spec_.steps_per_unit,
+                      double(count_ - lead_));
 }
 
 inline void StepSolver::solve_linear(const Move& m, Steps& out) {
@@ -92,6 +94,7 @@ void StepSolver::solve_raised(const Move& m, Steps& out) {
 
 void StepSolver::solve_path(const Move& m, Steps& out) {
   Path path{{m.p0[0], m.p0[1], m.p0[2]}, {m.p1[0], m.p1[1], m.p1[2]}, m.d};
+  crossings_.near = double(count_);
   machine_.geometry->crossings(spec_.index, path, spec_.steps_per_unit, crossings_);
   TimeLaw law(m, hz_);
   // After a cut: steps that were executed early are skipped, and steps that are missing are added.

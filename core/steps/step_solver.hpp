@@ -25,7 +25,8 @@ class StepSolver {
   int64_t lead() const { return lead_; }
   void set_lead(int64_t lead) { lead_ = lead; }
 
-  // Step count at a position. Every target is rounded from the absolute position.
+  // Step count at a position. Every target is rounded from the absolute position. A motor that
+  // turns without end keeps its turns.
   int64_t count_at(const double* p) const { return int64_t(std::floor(position(p) + 0.5)) + lead_; }
 
   void solve(const Move& m, Steps& out);

@@ -1549,7 +1549,7 @@ class Geometry:
     def inverse(self, actuator: int, point: tuple[float, float, float]) -> float:
         """Position of an actuator; NaN if it cannot reach the point."""
 
-    def forward(self, positions: tuple[float, float, float]) -> tuple[float, float, float]:
+    def forward(self, positions: Sequence[float]) -> tuple[float, float, float]:
         """Nozzle position. Raises ValueError if no position fits."""
 
     def linear(self, actuator: int) -> tuple[float, float, float] | None:

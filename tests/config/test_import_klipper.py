@@ -934,7 +934,11 @@ def test_include_with_an_absolute_path_and_a_pattern(tmp_path: Path) -> None:
         ("rotation_distance: 8", "rotation_distance: 0", "expected a number greater than 0"),
         ("gear_ratio: 80:20", "gear_ratio: 80:0", "expected pairs of teeth"),
         ("step_pin: PC2", "step_pin: <GND>", "expected a pin of a board"),
-        ("kinematics: cartesian", "kinematics: winch", "the kind of machine is 'winch'"),
+        (
+            "kinematics: cartesian",
+            "kinematics: generic_cartesian",
+            "the kind of machine is 'generic_cartesian'",
+        ),
         ("max_accel: 3000", "max_accel: -1", "expected more than 0"),
         ("[printer]", "[include printer.cfg]\n[printer]", "include each other"),
         ("[printer]", "[include /*/*/*]\n[printer]", "in at most 2 parts of the path"),

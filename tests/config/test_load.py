@@ -307,8 +307,8 @@ def test_the_documented_geometries_are_those_that_there_are() -> None:
         for key in ("skew", "reach_x_mm", "reach_y_mm"):  # docs/how-to/correct-skew.md
             fields.pop(key, None)
         motors, keys = told.pop(kind)
-        assert tuple(motors) == model.actuators
-        values = re.findall(r"`(\w+)`(?: (-?\d+|true|\[.*?\])(?![°\w]))?", keys)
+        assert tuple(motors) == model.motors
+        values = re.findall(r"`(\w+)`(?: (-?\d+(?:\.\d+)?|true|\[.*?\])(?![°\w]))?", keys)
         defaults = {key: json.loads(value) if value else PydanticUndefined for key, value in values}
         assert defaults == {key: field.default for key, field in fields.items()}
     assert not told

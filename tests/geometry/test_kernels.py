@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from math import cos, dist, isnan, radians, sin
+from math import atan2, cos, degrees, dist, isnan, radians, sin
 
 import pytest
 from hypothesis import assume, given, settings
@@ -58,8 +58,36 @@ CASES = {
         (180.0, 150.0, 100.0),
     ),
     "dual_scara": ({"kind": "dual_scara"}, (-30.0, 62.0, 0.0), (30.0, 95.0, 50.0)),
+    "polar": ({"kind": "polar"}, (5.0, -80.0, 0.0), (90.0, 70.0, 100.0)),
+    "winch": (
+        {"kind": "winch", "anchors": [[0, -900, 500], [800, 500, 500.0], [-800, 500, 450]]},
+        (-100.0, -100.0, 0.0),
+        (100.0, 100.0, 200.0),
+    ),
+    "winch of four cables": (
+        {
+            "kind": "winch",
+            "anchors": [[0, -900, -50], [800, 500, -50], [-800, 500, -60], [0, 0, 900]],
+        },
+        (-100.0, -100.0, 0.0),
+        (100.0, 100.0, 200.0),
+    ),
+    "winch of six cables": (
+        {
+            "kind": "winch",
+            "anchors": [
+                [x, y, z] for x, y in ((400, 0), (-300, 350), (-300, -350)) for z in (-9, 600)
+            ],
+        },
+        (-100.0, -100.0, 0.0),
+        (100.0, 100.0, 200.0),
+    ),
+    "none": ({"kind": "none"}, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
 }
-NONLINEAR = [name for name, case in CASES.items() if "core" not in name and name != "cartesian"]
+LINES = [name for name in CASES if name != "none"]
+NONLINEAR = [name for name in LINES if "core" not in name and name != "cartesian"]
+EVERYWHERE = "polar", "winch"  # reach all of a wide box
+BOUNDED = [name for name in NONLINEAR if not name.startswith(EVERYWHERE)]
 
 
 def machine(name):
@@ -86,15 +114,15 @@ def test_every_geometry_has_tests():
 @pytest.mark.parametrize("name", CASES)
 def test_core_and_model_agree_and_forward_undoes_inverse(name):
     model, core, low, high = machine(name)
-    assert core.actuators == 3
+    assert core.actuators == len(model.actuators)
     for point in grid(low, high):
         positions = kinematics.inverse(model, point)
-        assert close([core.inverse(i, point) for i in range(3)], positions), point
+        assert close([core.inverse(i, point) for i in range(core.actuators)], positions), point
         assert close(kinematics.forward(model, positions), point), point
         assert close(core.forward(positions), point), point
 
 
-@pytest.mark.parametrize("name", NONLINEAR)
+@pytest.mark.parametrize("name", BOUNDED)
 def test_core_and_model_reach_the_same_points(name):
     model, core, low, high = machine(name)
     wide = (
@@ -117,7 +145,7 @@ def test_core_and_model_reach_the_same_points(name):
     assert 0 < reached < len(points)
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", LINES)
 def test_slopes_are_the_derivatives(name):
     model, core, low, high = machine(name)
     middle = tuple((a + b) / 2 for a, b in zip(low, high, strict=True))
@@ -126,7 +154,7 @@ def test_slopes_are_the_derivatives(name):
             continue
         point, length = line(middle, end)
         s, h = 0.4 * length, 1e-3
-        for i in range(3):
+        for i in range(core.actuators):
             before, here, after = (
                 kinematics.inverse(model, point(s + k * h))[i] for k in (-1, 0, 1)
             )
@@ -148,7 +176,7 @@ def test_crossings_equal_brute_force_search(name, data):
         for _ in range(2)
     )
     assume(dist(start, end) > 0.1)
-    actuator = data.draw(st.integers(0, 2))
+    actuator = data.draw(st.integers(0, core.actuators - 1))
     assume(core.linear(actuator) is None)
     point, length = line(start, end)
     expected, margin = crossings(
@@ -165,7 +193,7 @@ def test_crossings_equal_brute_force_search(name, data):
 def test_crossings_are_equal_in_both_directions(name):
     _, core, low, high = machine(name)
     length = dist(low, high)
-    for actuator in [i for i in range(3) if core.linear(i) is None]:
+    for actuator in [i for i in range(core.actuators) if core.linear(i) is None]:
         there, up = core.crossings(actuator, low, high, 80.0)
         back, down = core.crossings(actuator, high, low, 80.0)
         assert [-d for d in reversed(down)] == up
@@ -203,8 +231,8 @@ def test_towers_may_be_numbered_clockwise():
 
 def test_a_delta_reaches_all_of_the_circle_that_limits_it():
     _, core, _, _ = machine("delta")
-    for degrees in range(360):
-        x, y = 75.1 * cos(radians(degrees)), 75.1 * sin(radians(degrees))
+    for at in range(360):
+        x, y = 75.1 * cos(radians(at)), 75.1 * sin(radians(at))
         assert not isnan(core.inverse(0, (x, y, 0.0)))
     assert isnan(core.inverse(0, (75.1001, 0.0, 0.0)))
 
@@ -273,3 +301,43 @@ def test_arms_from_two_shoulders_are_never_quite_stretched(mm, reached):
     else:
         with pytest.raises(Unreachable, match="mm from its shoulder, not"):
             model.inverse(point)
+
+
+@pytest.mark.parametrize(("y", "reached"), [(0.049, False), (0.051, True)])
+def test_a_polar_nozzle_keeps_away_from_the_middle(y, reached):
+    model, core, _, _ = machine("polar")
+    assert [isnan(core.inverse(i, (0.0, y, 3.0))) for i in range(3)] == [not reached] * 2 + [False]
+    if not reached:
+        with pytest.raises(Unreachable, match=r"0\.049 mm from the middle of the bed.*limit 0\.05"):
+            model.inverse((0.0, y, 3.0))
+
+
+def test_a_polar_bed_turns_half_round_past_the_middle():
+    """On a line at 0.06 mm, all the way by less than half a turn, to either side."""
+    _, core, _, _ = machine("polar")
+    for sign in (1, -1):
+        _, directions = core.crossings(0, (-80.0, 0.06 * sign, 0), (80.0, 0.06 * sign, 0), 10.0)
+        assert directions == [-sign] * 1800
+    _, directions = core.crossings(0, (-80.0, -0.06, 0.0), (-80.0, 0.06, 0.0), 1000.0)
+    assert set(directions) == {-1}  # over the end of the angles
+    assert len(directions) == pytest.approx(2000 * degrees(atan2(0.06, 80.0)), abs=1)
+
+
+def test_three_cables_hang_on_the_side_of_the_axes():
+    parameters = {"kind": "winch", "anchors": [[0, -900, -50], [800, 500, -50], [-800, 500, -60]]}
+    model = TypeAdapter(AnyGeometry).validate_python(parameters).facing((0, 0, 100.0), [])
+    point = (30.0, -20.0, 70.0)
+    assert close(model.forward(model.inverse(point)), point, 1e-6)
+
+
+def test_anchors_on_one_line_are_refused():
+    anchors = [[0.0, 0.0, 500.0], [100.0, 100.0, 500.0], [300.0, 300.0, 500.0]]
+    with pytest.raises(ValueError, match="must not lie on one line"):
+        TypeAdapter(AnyGeometry).validate_python({"kind": "winch", "anchors": anchors})
+
+
+def test_a_nozzle_at_an_anchor_has_no_cable():
+    model, core, _, _ = machine("winch")
+    assert isnan(core.inverse(1, (800.0, 500.0, 500.5)))
+    with pytest.raises(Unreachable, match=r"cable B is 0\.500 mm long there \(limit 1 mm\)"):
+        model.inverse((800.0, 500.0, 500.5))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import inf
 from typing import Any
 
@@ -18,12 +19,23 @@ REACH: dict[str, tuple[Point, Point]] = {  # machine: middle and half sizes of a
     "rotary-delta": ((0, 0, 20), (40, 40, 15)),
     "scara": ((100, 100, 50), (60, 60, 40)),
     "dual-scara": ((0, 78, 25), (30, 16, 20)),
+    "polar": ((-70, 3, 50), (65, 60, 40)),
+    "winch": ((0, 0, 150), (100, 100, 100)),
+}
+PLAIN: dict[str, dict[str, Any]] = {  # geometries on a plain machine
+    "polar": {"kind": "polar"},
+    "winch": {
+        "kind": "winch",
+        "anchors": [[0.0, -900, -50], [800.0, 500, -50], [-800.0, 500, -60], [0.0, 0, 900]],
+    },
 }
 
 
 def nonlinear(name: str) -> tuple[dict[str, Any], GeometryModel]:
     """One of REACH at 16 MHz, and the plain geometry of it; the arms on two towers are driven as
     those of the SCARA."""
+    if name in PLAIN:
+        return plain(TypeAdapter(AnyGeometry).validate_python(PLAIN[name]))
     machine = load("scara" if name == "dual-scara" else name)
     spec, geometry = machine.core_spec() | {"clock_hz": HZ}, machine.geometry
     if name == "dual-scara":
@@ -32,6 +44,29 @@ def nonlinear(name: str) -> tuple[dict[str, Any], GeometryModel]:
         for row in spec["steppers"][:3]:
             row |= {"min": -inf, "max": inf}
     return spec, geometry
+
+
+def plain(geometry: GeometryModel) -> tuple[dict[str, Any], GeometryModel]:
+    """A machine of this geometry, with 40 steps per unit of each of its motors."""
+    spec = cartesian() | {"geometry": geometry.spec()}
+    motors = [
+        stepper(name, "actuator", i, 40.0, speed=500.0, accel=20000.0)
+        for i, name in enumerate(geometry.actuators)
+    ]
+    return spec | {"steppers": [*motors, stepper("e", "extruder", 0, 95.5)]}, geometry
+
+
+def joints(geometry: GeometryModel, at: Point, near: Sequence[float]) -> tuple[float, ...]:
+    """The plain inverse; of a motor that turns without end, the position nearest to `near`."""
+    found = zip(geometry.actuators, geometry.inverse(at), near, strict=True)
+    return tuple(
+        q + 360 * round((n - q) / 360) if name in geometry.endless else q for name, q, n in found
+    )
+
+
+def of_box(name: str, geometry: GeometryModel, at: Point) -> tuple[float, ...]:
+    """The plain inverse in the box of one of REACH, in which no motor jumps."""
+    return joints(geometry, at, geometry.inverse(REACH[name][0]))
 
 
 def axis(letter: str, **limits: float) -> dict[str, Any]:

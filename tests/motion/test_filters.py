@@ -526,7 +526,10 @@ NEAR = (0.1, 0.01, 0.01, 0.001, 0.001)  # of the reach
         ("delta", FAR, 0.0),
         ("rotary-delta", FAR, 0.0),
         ("scara", FAR, 0.0),
+        ("polar", FAR, 0.0),
+        ("winch", FAR, 0.0),
         ("delta", NEAR, BOX),
+        ("polar", NEAR, BOX),
         ("scara", NEAR, BOX),
     ],
 )
@@ -549,10 +552,14 @@ def test_nonlinear_motors_follow_the_shaped_nozzle(kind, shares, box):
     shapers = enumerate((x, y, z))
     laws = [law_of(oracle.Planned(moves, i), shaper, delay, box) for i, shaper in shapers]
     assert begin != motion.counts()
-    for motor in range(3):
+
+    def true_at(tick):
+        return machines.of_box(kind, geometry, tuple(law(tick) for law in laws))
+
+    for motor in range(len(geometry.actuators)):
         per_unit = spec["steppers"][motor]["steps_per_unit"]
         wanted = oracle.steps(
-            lambda tick, motor=motor: geometry.inverse(tuple(law(tick) for law in laws))[motor],
+            lambda tick, motor=motor: true_at(tick)[motor],
             0,
             motion.clock,
             per_unit,

@@ -14,7 +14,7 @@ from tests.oracles import motion as oracle
 
 from passo._core import Motion
 
-from .machines import REACH, nonlinear
+from .machines import REACH, joints, nonlinear
 
 share = st.integers(-1000, 1000).map(lambda n: n / 1000)
 point = st.tuples(share, share, share)  # of half the box that a machine reaches
@@ -55,22 +55,27 @@ def assert_steps_stand_where_the_inverse_says(motion, spec, geometry, begin):
     motion.flush()
     moves = motion.take_moves()
     messages = motion.take_messages()
-    for i, row in enumerate(spec["steppers"][:3]):
+    for i, row in enumerate(spec["steppers"][: len(geometry.actuators)]):
         per_unit = row["steps_per_unit"]
         count = begin[i]
+
+        def true_at(point, count, i=i, per_unit=per_unit):
+            near = [count / per_unit] * len(geometry.actuators)
+            return joints(geometry, point, near)[i] * per_unit
+
         which = 0
         for tick, direction in oracle.executed_ticks(messages, i):
             while which + 1 < len(moves) and tick > moves[which].end_ticks:
                 which += 1
             move = moves[which]
             wanted = count + 0.5 * direction
-            true = geometry.inverse(nozzle(move, tick))[i] * per_unit
-            near = [geometry.inverse(nozzle(move, tick + d))[i] * per_unit for d in (-33, 33)]
+            true = true_at(nozzle(move, tick), count)
+            near = [true_at(nozzle(move, tick + d), count) for d in (-33, 33)]
             slack = max(abs(near[0] - true), abs(near[1] - true)) + 1e-3
             assert abs(true - wanted) <= slack, (row["name"], tick)
             count += direction
         if moves:
-            end = geometry.inverse(tuple(moves[-1].end_mm[:3]))[i] * per_unit
+            end = true_at(tuple(moves[-1].end_mm[:3]), count)
             assert abs(count - end) <= 0.5 + 1e-6
 
 
@@ -100,7 +105,7 @@ def assert_no_motor_beyond_its_limits(motion, spec, geometry):
     h = 1e-3 * oracle.HZ
     for move in motion.take_moves():
         ticks = np.arange(move.start_ticks + h, move.end_ticks - h, h)
-        for i, row in enumerate(spec["steppers"][:3]):
+        for i, row in enumerate(spec["steppers"][: len(geometry.actuators)]):
             for tick in ticks[:: max(1, len(ticks) // 40)]:
                 corner = any(
                     abs(tick - edge) < 1.1 * h
@@ -109,7 +114,8 @@ def assert_no_motor_beyond_its_limits(motion, spec, geometry):
                         move.end_ticks - move.decelerate_ticks,
                     )
                 )
-                q = [geometry.inverse(nozzle(move, tick + d))[i] for d in (-h, 0, h)]
+                here = geometry.inverse(nozzle(move, tick))
+                q = [joints(geometry, nozzle(move, tick + d), here)[i] for d in (-h, 0, h)]
                 assert abs(q[2] - q[0]) / 2e-3 <= row["speed"] * 1.01
                 if not corner:
                     assert abs(q[2] - 2 * q[1] + q[0]) / 1e-6 <= row["accel"] * 1.01 + 1e-3
@@ -120,15 +126,25 @@ def assert_no_motor_beyond_its_limits(motion, spec, geometry):
 @settings(max_examples=10, deadline=None)
 def test_no_interval_is_shorter_than_the_driver_takes(name, path):
     """Also between the places at which a line is looked at."""
+    motion = hasty(name)
+    push_shares(motion, name, path)
+    assert_intervals_are_as_long_as_the_driver_takes(motion)
+
+
+def hasty(name):
+    """A motion whose motors have hardly any limit but that of their drivers."""
     spec, _ = nonlinear(name)
-    for row in spec["steppers"][:3]:
+    for row in spec["steppers"]:
         row |= {"max_rate_hz": 4000.0, "speed": inf, "accel": 1e6}
     for axis in spec["axes"]:
         axis |= {"speed": 1e4, "accel": 1e5}
     spec["limits"] |= {"print_accel": 1e5, "travel_accel": 1e5}
     motion = Motion(spec | {"budgets": []}, True)
     motion.set_position([*map(float, REACH[name][0]), 0.0])
-    push_shares(motion, name, path)
+    return motion
+
+
+def assert_intervals_are_as_long_as_the_driver_takes(motion):
     motion.flush()
     messages = motion.take_messages()
     for motor in range(3):
@@ -171,16 +187,22 @@ WAYS = {  # down a little and sidewards, so that motors turn, too
     "rotary-delta": ((-40, -40, 31.4676), (-40, -40, 21.0084)),
     "scara": ((90, 100, 50), (110.3, 101.7, 50)),
     "dual-scara": ((-9, 80, 25), (11.3, 81.7, 25)),
+    "polar": ((-20, 3, 50), (-20.5, -9, 51)),
+    "winch": ((10, -20, 60), (15, -20.5, 40.3)),
 }
 
 
 def steps_beside_the_target(messages, geometry, spec, begin, end):
-    """Steps made less those to where the inverse is, for each of the three motors."""
+    """Steps made less those to where the inverse is, for each motor of the nozzle."""
     found = []
-    for motor, row in enumerate(spec["steppers"][:3]):
-        made = sum(dir for _, dir in oracle.executed_ticks(messages, motor))
-        wanted = floor(geometry.inverse(end)[motor] * row["steps_per_unit"] + 0.5)
-        found.append(begin[motor] + made - wanted)
+    per_unit = [row["steps_per_unit"] for row in spec["steppers"][: len(geometry.actuators)]]
+    made = [
+        begin[i] + sum(dir for _, dir in oracle.executed_ticks(messages, i))
+        for i in range(len(per_unit))
+    ]
+    wanted = joints(geometry, end, [n / by for n, by in zip(made, per_unit, strict=True)])
+    for n, by, q in zip(made, per_unit, wanted, strict=True):
+        found.append(n - floor(q * by + 0.5))
     return found
 
 
@@ -197,9 +219,9 @@ def test_cut_next_to_a_step_neither_loses_nor_doubles_steps(name):
         motion.flush()
         return motion, spec, geometry, begin
 
-    motion, *_ = on_the_way()
+    motion, _, geometry, _ = on_the_way()
     messages = motion.take_messages()
-    for motor in range(3):
+    for motor in range(len(geometry.actuators)):
         ticks = [tick for tick, _ in oracle.executed_ticks(messages, motor)]
         for tick in ticks[:: max(1, len(ticks) // 15)]:
             for by in (-20, -8, -3, -1, 0, 1, 3, 8, 20):
@@ -208,7 +230,7 @@ def test_cut_next_to_a_step_neither_loses_nor_doubles_steps(name):
                 motion.flush()
                 after = motion.take_messages()
                 lost = steps_beside_the_target(after, geometry, spec, begin, end)
-                assert lost == [0, 0, 0], (motor, tick, by)
+                assert lost == [0] * len(lost), (motor, tick, by)
 
 
 @pytest.mark.parametrize("name", REACH)
@@ -236,7 +258,7 @@ def test_cuts_at_random_clocks_lose_nothing(name, path, cuts):
     messages += motion.take_messages()
     end = tuple(c + h * s for c, h, s in zip(*REACH[name], path[-1][0], strict=True))
     lost = steps_beside_the_target(messages, geometry, spec, begin, end)
-    assert lost == [0, 0, 0]
+    assert lost == [0] * len(lost)
 
 
 # The shoulder in the bed: arms that can be folded turn faster there than anywhere else.
@@ -282,7 +304,7 @@ def test_owed_step_comes_at_once_and_surplus_is_dropped(name):
     motion.flush()
     (move, *_) = motion.take_moves()
     starts = geometry.inverse(tuple(move.start_mm[:3]))
-    for i, (row, at) in enumerate(zip(spec["steppers"][:3], starts, strict=True)):
+    for i, (row, at) in enumerate(zip(spec["steppers"], starts, strict=False)):
         count = floor(at * row["steps_per_unit"] + 0.5)
         ticks, end = motion.ideal_ticks(move, i, count)
         way = 1 if end > count else -1
@@ -291,3 +313,47 @@ def test_owed_step_comes_at_once_and_surplus_is_dropped(name):
             then, same_end = motion.ideal_ticks(move, i, count + done)
             assert then == pytest.approx(wanted)
             assert same_end == end
+
+
+@pytest.mark.parametrize(
+    "per_degree", [40.0, 16 * 200 * 17 / 80 / 360]
+)  # whole steps a turn, or not
+def test_a_bed_that_turns_without_end_keeps_its_turns(per_degree):
+    motion, spec, geometry = in_the_middle("polar")
+    spec["steppers"][0]["steps_per_unit"] = per_degree
+    motion = Motion(spec, True)
+    motion.set_position([30.0, 0.0, 0.0, 0.0])
+    begin = motion.counts()
+    for i in range(1, 1 + 8 * 50):  # five turns to the left, then three to the right
+        turned = i if i <= 250 else 500 - i
+        angle = turned * 2 * pi / 50
+        motion.push([30 * cos(angle), 30 * sin(angle), 0.0, 0.0], 200.0)
+    motion.flush()
+    turns = (motion.counts()[0] - begin[0]) / (360 * per_degree)
+    assert turns == pytest.approx(2.0, abs=0.6 / (360 * per_degree))
+    assert_steps_stand_where_the_inverse_says(motion, spec, geometry, begin)
+
+
+@pytest.mark.parametrize("away", [10.0, 1.0, 0.2, 0.06])
+@pytest.mark.parametrize("feed", [150.0, 2.0])
+def test_a_bed_turns_within_its_limits_next_to_the_middle(away, feed):
+    motion, spec, geometry = in_the_middle("polar")
+    motion.set_position([-40.0, away, 0.0, 0.0])
+    begin = motion.counts()
+    motion.push([40.0, away, 0.0, 0.0], feed)
+    motion.push([40.0, -away, 0.0, 0.0], feed)
+    motion.push([-40.0, -away, 0.0, 0.0], feed)
+    planned, *_ = in_the_middle("polar", with_steps=False)
+    planned.set_position([-40.0, away, 0.0, 0.0])
+    planned.push([40.0, away, 0.0, 0.0], feed)
+    planned.push([40.0, -away, 0.0, 0.0], feed)
+    assert_no_motor_beyond_its_limits(planned, spec, geometry)
+    assert_steps_stand_where_the_inverse_says(motion, spec, geometry, begin)
+    assert motion.counts()[0] - begin[0] == pytest.approx(-360 * 40, abs=40 * 180 * away / 60)
+
+
+def test_a_bed_without_limits_keeps_to_its_driver_near_the_middle():
+    motion = hasty("polar")
+    for x, away in ((-40.0, 0.05), (40.0, 0.05), (40.0, -0.05), (-40.0, -0.07)):
+        motion.push([x, away, 50.0, 0.0], 200.0)
+    assert_intervals_are_as_long_as_the_driver_takes(motion)

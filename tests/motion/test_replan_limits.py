@@ -15,7 +15,7 @@ from tests.oracles import motion as oracle
 
 from passo._core import Motion
 
-from .machines import REACH, cartesian, nonlinear
+from .machines import REACH, cartesian, nonlinear, of_box
 from .test_nonlinear import in_the_middle, point, push_shares
 from .test_replan import push_all
 from .test_steps import paths
@@ -139,9 +139,9 @@ def test_each_arm_keeps_its_limits(name, path, changes):
     executed, clocks = carried_out(motion, changes)
 
     def motors(point):
-        return geometry.inverse((point[0], point[1], point[2]))
+        return of_box(name, geometry, (point[0], point[1], point[2]))
 
-    assert_limits(executed, clocks, motors, spec["steppers"][:3])
+    assert_limits(executed, clocks, motors, spec["steppers"][: len(geometry.actuators)])
 
 
 @pytest.mark.parametrize("back_s", [0.001, 0.005, 0.02])

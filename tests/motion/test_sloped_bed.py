@@ -10,7 +10,7 @@ from tests.oracles import motion as oracle
 
 from passo._core import Motion
 
-from .machines import REACH, cartesian, nonlinear
+from .machines import REACH, cartesian, nonlinear, of_box
 from .test_nonlinear import nozzle
 
 H = 1e-3  # seconds between two looks
@@ -54,10 +54,11 @@ def test_no_motor_exceeds_its_limits(name, bed):
 
     def actuators(move, tick):
         x, y, low = nozzle(move, tick)
-        return geometry.inverse((x, y, low + height(x, y)))
+        at = (x, y, low + height(x, y))
+        return of_box(name, geometry, at) if name in REACH else geometry.inverse(at)
 
     h = H * oracle.HZ
-    limits = [(row["speed"], row["accel"]) for row in spec["steppers"][:3]]
+    limits = [(row["speed"], row["accel"]) for row in spec["steppers"][: len(geometry.actuators)]]
     axes = spec["axes"][2]
     if name in ("i3", "corexy"):
         limits = [
@@ -65,7 +66,7 @@ def test_no_motor_exceeds_its_limits(name, bed):
             for row, r in zip(spec["axes"][:3], spec["steppers"], strict=False)
         ]
         limits[2] = (axes["speed"], axes["accel"])
-    fastest, hardest = [0.0] * 3, [0.0] * 3
+    fastest, hardest = [0.0] * len(limits), [0.0] * len(limits)
     for move in motion.take_moves():
         edges = (
             move.start_ticks + move.accelerate_ticks,

@@ -6,7 +6,7 @@ parameters alone. ValueError where there is no solution.
 
 from __future__ import annotations
 
-from math import acos, atan2, cos, degrees, hypot, pi, radians, sin, sqrt, tau
+from math import acos, atan2, cos, degrees, dist, hypot, pi, radians, sin, sqrt, tau
 
 LEFT_MM = 0.01  # nearly stretched or folded, arms reach nothing
 
@@ -254,6 +254,40 @@ def _dual_forward(m, positions):
     return x, y, positions[2]
 
 
+def _polar_inverse(m, point):
+    """The angle is from half a turn behind to half a turn ahead."""
+    x, y, z = point
+    if hypot(x, y) < m.centre:
+        raise ValueError("too near the middle")
+    return degrees(atan2(y, x)), hypot(x, y), z
+
+
+def _polar_forward(_, positions):
+    angle, reach, z = positions
+    return reach * cos(radians(angle)), reach * sin(radians(angle)), z
+
+
+def _winch_inverse(m, point):
+    lengths = tuple(dist(point, anchor) for anchor in m.anchors)
+    if min(lengths) < 1:
+        raise ValueError("a cable is too short")
+    return lengths
+
+
+def _winch_forward(m, positions):
+    """Of the two places for the first three cables, that for which the others fit; of three cables
+    the lower one."""
+    first = m.anchors[:3]
+    below = trilaterate(first, positions[:3])
+    upside = trilaterate([(x, y, -z) for x, y, z in first], positions[:3])
+    places = [below, (upside[0], upside[1], -upside[2])]
+
+    def misfit(place):
+        return sum(abs(a - b) for a, b in zip(_winch_inverse(m, place), positions, strict=True))
+
+    return places[0] if len(m.anchors) == 3 else min(places, key=misfit)
+
+
 _INVERSE = {
     "cartesian": _cartesian,
     "corexy": _corexy_inverse,
@@ -266,6 +300,9 @@ _INVERSE = {
     "rotary_delta": _rotary_inverse,
     "scara": _scara_inverse,
     "dual_scara": _dual_inverse,
+    "polar": _polar_inverse,
+    "winch": _winch_inverse,
+    "none": lambda _, point: (),
 }
 _FORWARD = {
     "cartesian": _cartesian,
@@ -279,4 +316,7 @@ _FORWARD = {
     "rotary_delta": _rotary_forward,
     "scara": _scara_forward,
     "dual_scara": _dual_forward,
+    "polar": _polar_forward,
+    "winch": _winch_forward,
+    "none": lambda _, positions: (0.0, 0.0, 0.0),
 }

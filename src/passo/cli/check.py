@@ -54,7 +54,8 @@ def run(arguments: argparse.Namespace) -> int:
             report |= {"ok": False, "problems": [p.as_dict() for p in unusable.problems]}
         print(json.dumps(report, indent=2))
     else:
-        axes, steppers = len(machine.axes), len(machine.steppers)
+        axes = len(machine.axes) - (0 if machine.geometry.actuators else 3)
+        steppers = len(machine.steppers)
         print(f"{arguments.file}: ok: {machine.name}, {machine.geometry.kind}, ", end="")
         others = [f"{name}: {board.name}" for name, board in machine.boards.items()]
         unchecked = " (pins not checked)" if unchecked_boards(machine) else ""

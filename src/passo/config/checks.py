@@ -24,10 +24,12 @@ from passo.config.motor_roles import Drivable, Driven, axis_order
 from passo.config.output_checks import check_names, check_outputs, check_shown_sensors
 from passo.config.pin_checks import check_pins
 from passo.config.servos import check_servos
+from passo.geometry.base import GeometryModel
 
 Raw = Mapping[str, Any]
 
 _MAX_FURTHER_AXES = 4
+_STILL = "none"  # the kind of a geometry without X, Y and Z
 _PER_MM = ("steps_per_mm", "rotation_distance_mm")
 _LIMIT_KEYS = ("speed_{}_s", "accel_{}_s2", "min_{}", "max_{}")
 
@@ -61,12 +63,23 @@ def _check_port(board: Raw, place: tuple[str, ...]) -> Iterator[Finding]:
         yield Finding(code, path, port, "host:port, such as 192.168.1.20:8888")
 
 
-def check_axes(data: Raw, actuators: tuple[str, ...]) -> Iterator[Finding]:
-    """Checks that X, Y and Z exist, that further axes are at most four with different names, and
-    that minima are below maxima."""
+def with_still_axes(data: Raw) -> Raw:
+    """The same data; on a machine without X, Y and Z, these have a place that they never leave."""
+    if table(data, "geometry").get("kind") != _STILL:
+        return data
+    still = {"min_mm": 0.0, "max_mm": 1.0, "speed_mm_s": 100.0, "accel_mm_s2": 1000.0}
+    return {**data, "axes": {**{name: {**still} for name in "xyz"}, **table(data, "axes")}}
+
+
+def check_axes(data: Raw, actuators: tuple[str, ...], *, still: bool = False) -> Iterator[Finding]:
+    """Checks that X, Y and Z exist, unless the machine stands `still`, that further axes are at
+    most four with different names, and that minima are below maxima."""
     axes = table(data, "axes")
     for name in "xyz":
-        if name not in axes:
+        if still and name in axes:
+            limit = f"no table: a machine of the kind {_STILL} has no X, Y and Z"
+            yield Finding("config.conflict", ("axes", name), name, limit)
+        elif not still and name not in axes:
             yield Finding("config.missing-key", ("axes", name), None, "a table with its limits")
     further = axis_order(axes)[3:]
     if len(further) > _MAX_FURTHER_AXES:
@@ -176,12 +189,12 @@ def check_references(data: Raw) -> Iterator[Finding]:
                 yield Finding("config.value", path, word, limit, hint)
 
 
-def check_homing(data: Raw, actuators: tuple[str, ...], arms: tuple[str, ...]) -> Iterator[Finding]:
+def check_homing(data: Raw, model: type[GeometryModel]) -> Iterator[Finding]:
     """Checks that each homed part exists, and has one endstop or one for each of its motors."""
-    axes = axis_order(table(data, "axes"))
+    axes, actuators, arms = axis_order(table(data, "axes")), _actuators(data, model), model.arms
     drivable = Drivable(actuators, axes, table(data, "extruders"))
     alone = [axis for axis in axes if axis in actuators or axis not in axes[:2]]
-    names = [*arms, *alone] if arms else axes
+    names = [*arms, *alone] if arms else axes if model.homes else axes[3:]
     sections = dict(tables(data, "homing"))
     for name, homing in sections.items():
         path = ("homing", name)
@@ -203,15 +216,26 @@ def check_homing(data: Raw, actuators: tuple[str, ...], arms: tuple[str, ...]) -
                 yield Finding("config.value", (*path, "stepper_pins", stepper), stepper, limit)
     if any(name in sections for name in arms):
         for name in arms:
-            if name not in sections:
+            if name not in sections and name not in model.free:
                 yield Finding(
                     "config.missing-key", ("homing", name), None, "a table like its twins'"
                 )
 
 
-def check_all(
-    data: Raw, actuators: tuple[str, ...], rotary: tuple[str, ...], arms: tuple[str, ...] = ()
-) -> Iterator[Finding]:
+def _actuators(data: Raw, model: type[GeometryModel]) -> tuple[str, ...]:
+    return model.motors_of(table(data, "geometry"))
+
+
+def _check_endless(data: Raw, model: type[GeometryModel]) -> Iterator[Finding]:
+    """Checks that motors that turn without end have no limits of their position."""
+    for name in model.endless:
+        for key in ("min_deg", "max_deg"):
+            if key in (stepper := table(data, "steppers", name)):
+                limit = "no such key: it turns without end"
+                yield Finding("config.conflict", ("steppers", name, key), stepper[key], limit)
+
+
+def check_all(data: Raw, model: type[GeometryModel] | None) -> Iterator[Finding]:
     """Runs all checks; without a known geometry, skips those that need it."""
     parts: list[Callable[[Raw], Iterator[Finding]]] = [
         check_references,
@@ -234,9 +258,13 @@ def check_all(
         check_kept_options,
     ]
     yield from check_link(data)
-    yield from check_axes(data, actuators)
-    if actuators:
-        yield from check_steppers(data, actuators, rotary)
-        yield from check_homing(data, actuators, arms)
+    if model is None:
+        yield from check_axes(data, ())
+    else:
+        actuators = _actuators(data, model)
+        yield from check_axes(data, actuators, still=not actuators)
+        yield from check_steppers(data, actuators, model.rotary)
+        yield from check_homing(data, model)
+        yield from _check_endless(data, model)
     for check in parts:
         yield from check(data)

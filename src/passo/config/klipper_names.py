@@ -102,12 +102,18 @@ def board_object(name: str) -> str:
     return "mcu" if name == "main" else f"mcu {name}"
 
 
+_OWN_NAMES = {"polar": ("bed", "arm", "z"), "winch": "abcdefgh"}  # of the actuators
+
+
 def stepper_object(machine: MachineConfig, name: str) -> str:
     """Klipper's name for a motor: extruders by their tools, motors of crossed belts by the axis
-    with their number, others by the name in the machine file."""
+    with their number, those of a polar machine and of cables by Klipper's names for them, others by
+    the name in the machine file."""
     if name[:1] == "e" and (number := name[1:] or "0").isdigit():
         return extruder_object(int(number))
     stem, actuators = name.rstrip("0123456789"), machine.geometry.actuators
+    if own := _OWN_NAMES.get(machine.geometry.kind):
+        return f"stepper_{own[actuators.index(name)]}" if name in actuators else f"stepper_{name}"
     if not machine.geometry.arms and stem in actuators:
         return f"stepper_{'xyz'[actuators.index(stem)]}{name.removeprefix(stem)}"
     return f"stepper_{name}"

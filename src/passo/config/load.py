@@ -20,7 +20,7 @@ from passo.config.board_defaults import (
 )
 from passo.config.board_files import Source, put_boards
 from passo.config.changed_keys import put_changes
-from passo.config.checks import check_all
+from passo.config.checks import check_all, with_still_axes
 from passo.config.findings import Finding, as_written, did_you_mean, key_text, table
 from passo.config.gains import question_gains
 from passo.config.geometry_kinds import KINDS
@@ -175,7 +175,7 @@ def _checked(
     put_probe_home(data)
     machine = None
     try:
-        machine = MachineConfig.model_validate(data)
+        machine = MachineConfig.model_validate(with_still_axes(data))
     except ValidationError as error:
         from passo.config.model_findings import model_findings
 
@@ -183,9 +183,9 @@ def _checked(
     kind = table(data, "geometry").get("kind")
     model = KINDS.get(kind) if isinstance(kind, str) else None
     if model:
-        findings += check_all(data, model.actuators, model.rotary, model.arms)
+        findings += check_all(data, model)
     else:
-        findings += check_all(data, (), ())
+        findings += check_all(data, None)
     if machine is not None and not findings:
         machine = machine.facing_its_middle()
         findings += [

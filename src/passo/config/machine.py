@@ -223,6 +223,13 @@ class MachineConfig(Model):
         return x, y, z
 
     @property
+    def moved_axes(self) -> dict[int, str]:
+        """The axes by their numbers: all, but not X, Y and Z of a machine that does not move
+        them."""
+        first = 0 if self.geometry.actuators else 3
+        return {i: name for i, name in enumerate(axis_order(self.axes)) if i >= first}
+
+    @property
     def axes_of_arms(self) -> tuple[str, ...]:
         """The axes whose positions depend only on the arms; empty if arms are not homed."""
         if not any(name in self.geometry.arms for name in self.homing):
@@ -244,8 +251,7 @@ class MachineConfig(Model):
         if not self.axes_of_arms:
             x, y, z = map(position, "xyz")
             return x, y, z
-        a, b, c = map(position, self.geometry.actuators)
-        return self.geometry.forward((a, b, c))
+        return self.geometry.forward([*map(position, self.geometry.actuators)])
 
     @property
     def home_mm(self) -> dict[str, float]:
@@ -272,8 +278,10 @@ class MachineConfig(Model):
         the file."""
         if name in self.homing:
             return self.homing[name].position
-        given = self.axes[name].home_mm
-        return self.axes[name].min_mm if given is None else given
+        if name in self.geometry.free:
+            return 0.0
+        given, lowest = self.axes[name].home_mm, self.axes[name].min_mm
+        return given if given is not None else lowest if self.geometry.homes else 0.0
 
     @property
     def drivable(self) -> Drivable:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import isnan
 from typing import Annotated, Any, ClassVar, Self
 
@@ -12,6 +12,8 @@ from passo import _core
 from passo.geometry.shoulder import Limits
 
 Point = tuple[float, float, float]
+Joints = tuple[float, ...]
+"""Positions of the actuators, mm or degrees, in their order."""
 Offset = Annotated[float, Field(ge=-1e4, le=1e4)]
 
 
@@ -20,19 +22,35 @@ class Unreachable(ValueError):
 
 
 class GeometryModel(BaseModel):
-    """The parameters of a geometry. `actuators` names its motors; those in `rotary` count in
-    degrees. `arms` are actuators that need their own endstops, because no axis move moves one of
-    them alone; they alone move the `axes_of_arms`. If it `lifts_together`, a Z move in the middle
-    moves all arms equally."""
+    """The parameters of a geometry. `motors` names its actuators; those in `rotary` count in
+    degrees, and those of them in `endless` turn without end. `arms` are actuators that need their
+    own endstops, because no axis move moves one of them alone; they alone move the `axes_of_arms`.
+    Arms in `free` may have no endstop: they are at 0 where homing finds them. If it
+    `lifts_together`, a Z move in the middle moves all arms equally. `homes` is false if no switch
+    can find the place of the nozzle."""
 
     model_config = ConfigDict(
         extra="forbid", frozen=True, strict=True, allow_inf_nan=False, defer_build=True
     )
-    actuators: ClassVar[tuple[str, ...]]
+    motors: ClassVar[tuple[str, ...]]
     rotary: ClassVar[tuple[str, ...]] = ()
+    endless: ClassVar[tuple[str, ...]] = ()
+    free: ClassVar[tuple[str, ...]] = ()
+    homes: ClassVar[bool] = True
     lifts_together: ClassVar[bool] = False
     arms: ClassVar[tuple[str, ...]] = ()
     axes_of_arms: ClassVar[tuple[str, ...]] = ("x", "y")
+
+    @classmethod
+    def motors_of(cls, data: Mapping[str, object]) -> tuple[str, ...]:
+        """The actuators of a geometry with these unchecked parameters."""
+        del data
+        return cls.motors
+
+    @property
+    def actuators(self) -> tuple[str, ...]:
+        """The names of its actuators."""
+        return self.motors
 
     @property
     def square(self) -> Self:
@@ -55,7 +73,7 @@ class GeometryModel(BaseModel):
         parameters."""
         return {}
 
-    def inverse(self, point: Point) -> Point:
+    def inverse(self, point: Point) -> Joints:
         """The actuator positions (mm or degrees) for the nozzle position `point` (mm). Computed by
         the core. Raises Unreachable.
         """
@@ -64,12 +82,12 @@ class GeometryModel(BaseModel):
             raise Unreachable(self.reason(point) or self.edge(point))
         return found
 
-    def _found(self, point: Point) -> Point | None:
+    def _found(self, point: Point) -> Joints | None:
         kernel = _core.Geometry(self.spec())
-        a, b, c = (kernel.inverse(i, point) for i in range(3))
-        return None if isnan(a) or isnan(b) or isnan(c) else (a, b, c)
+        found = tuple(kernel.inverse(i, point) for i in range(kernel.actuators))
+        return None if any(map(isnan, found)) else found
 
-    def forward(self, actuators: Point) -> Point:
+    def forward(self, actuators: Sequence[float]) -> Point:
         """The nozzle position (mm) for the actuator positions (mm or degrees). Computed by the
         core. Raises Unreachable."""
         try:

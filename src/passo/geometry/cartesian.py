@@ -10,6 +10,6 @@ from passo.geometry.skewable import SkewableModel
 class Cartesian(SkewableModel):
     """Every axis has its own motor."""
 
-    actuators = ("x", "y", "z")
+    motors = ("x", "y", "z")
     kind: Literal["cartesian"]
     """A motor for each axis."""

@@ -30,7 +30,7 @@ class CoreBelts(SkewableModel):
 class CoreXY(CoreBelts):
     """A = X + Y, B = X - Y."""
 
-    actuators = ("a", "b", "z")
+    motors = ("a", "b", "z")
     kind: Literal["corexy"]
     """Crossed belts: A = X + Y, B = X − Y."""
 
@@ -38,7 +38,7 @@ class CoreXY(CoreBelts):
 class HybridCoreXY(CoreBelts):
     """A = X - Y."""
 
-    actuators = ("a", "y", "z")
+    motors = ("a", "y", "z")
     kind: Literal["hybrid_corexy"]
     """One crossed belt: A = X − Y; motors of Y and Z."""
 
@@ -46,7 +46,7 @@ class HybridCoreXY(CoreBelts):
 class HybridCoreXZ(CoreBelts):
     """A = X - Z."""
 
-    actuators = ("a", "y", "z")
+    motors = ("a", "y", "z")
     kind: Literal["hybrid_corexz"]
     """One crossed belt: A = X − Z; motors of Y and Z."""
 
@@ -54,7 +54,7 @@ class HybridCoreXZ(CoreBelts):
 class CoreXZ(CoreBelts):
     """A = X + Z, B = X - Z."""
 
-    actuators = ("a", "y", "b")
+    motors = ("a", "y", "b")
     kind: Literal["corexz"]
     """Crossed belts: A = X + Z, B = X − Z."""
 
@@ -62,6 +62,6 @@ class CoreXZ(CoreBelts):
 class CoreYZ(CoreBelts):
     """A = Y + Z, B = Y - Z."""
 
-    actuators = ("x", "a", "b")
+    motors = ("x", "a", "b")
     kind: Literal["coreyz"]
     """Crossed belts: A = Y + Z, B = Y − Z."""

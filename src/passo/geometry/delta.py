@@ -25,7 +25,7 @@ class Delta(GeometryModel):
     """Lengths in mm. `radius` is the distance from a tower to the middle, less the offsets of
     effector and carriage."""
 
-    actuators = ("a", "b", "c")
+    motors = ("a", "b", "c")
     lifts_together = True
     arms = ("a", "b", "c")
     axes_of_arms = ("x", "y", "z")

@@ -16,7 +16,7 @@ Positive = Annotated[float, Field(gt=0, le=1e4)]
 class Deltesian(GeometryModel):
     """Lengths in mm. The position of a carriage is the height of its end of the rod."""
 
-    actuators = ("a", "y", "b")
+    motors = ("a", "y", "b")
     lifts_together = True
     arms = ("a", "b")
     axes_of_arms = ("x", "z")

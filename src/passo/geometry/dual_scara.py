@@ -18,7 +18,7 @@ Positive = Annotated[float, Field(gt=0, le=1e4)]
 class DualScara(GeometryModel):
     """Lengths in mm; shoulders at (shoulder_x, 0) plus the offsets; angles from +Y towards +X."""
 
-    actuators = ("a", "b", "z")
+    motors = ("a", "b", "z")
     rotary = ("a", "b")
     arms = ("a", "b")
     kind: Literal["dual_scara"]

@@ -12,11 +12,15 @@ from passo.geometry.core_belts import CoreXY, CoreXZ, CoreYZ, HybridCoreXY, Hybr
 from passo.geometry.delta import Delta
 from passo.geometry.deltesian import Deltesian
 from passo.geometry.dual_scara import DualScara
+from passo.geometry.motionless import Motionless
+from passo.geometry.polar import Polar
 from passo.geometry.rotary_delta import RotaryDelta
 from passo.geometry.scara import Scara
+from passo.geometry.winch import Winch
 
 _BELTS = (CoreXY, CoreXZ, CoreYZ, HybridCoreXY, HybridCoreXZ)
-GEOMETRIES = (Cartesian, *_BELTS, Delta, Deltesian, RotaryDelta, Scara, DualScara)
+_OTHERS = (Polar, Winch, Motionless)
+GEOMETRIES = (Cartesian, *_BELTS, Delta, Deltesian, RotaryDelta, Scara, DualScara, *_OTHERS)
 
 AnyGeometry = Annotated[
     Cartesian
@@ -29,6 +33,9 @@ AnyGeometry = Annotated[
     | Deltesian
     | RotaryDelta
     | Scara
-    | DualScara,
+    | DualScara
+    | Polar
+    | Winch
+    | Motionless,
     Field(discriminator="kind"),
 ]

@@ -15,7 +15,7 @@ Positive = Annotated[float, Field(gt=0, le=1e4)]
 class RotaryDelta(GeometryModel):
     """Lengths in mm: sides of effector and base, rods, arms, height of the base above Z 0."""
 
-    actuators = ("a", "b", "c")
+    motors = ("a", "b", "c")
     rotary = ("a", "b", "c")
     lifts_together = True
     arms = ("a", "b", "c")

@@ -20,7 +20,7 @@ class Scara(GeometryModel):
     elbow's motor sits on the base and turns the forearm relative to the base, otherwise relative to
     the upper arm."""
 
-    actuators = ("a", "b", "z")
+    motors = ("a", "b", "z")
     rotary = ("a", "b")
     arms = ("a", "b")
     kind: Literal["scara"]

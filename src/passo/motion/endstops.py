@@ -137,7 +137,9 @@ def steppers_of(machine: MachineConfig, home: str) -> tuple[str, ...]:
         before = machine.geometry.square.inverse(at)
         k = axes.index(home)
         after = machine.geometry.square.inverse(_moved(at, k, -_NUDGE))
-        wanted = {("actuator", i) for i in range(3) if abs(after[i] - before[i]) > _NUDGE / 100}
+        moves = zip(before, after, strict=True)
+        moved = [i for i, (q0, q1) in enumerate(moves) if abs(q1 - q0) > _NUDGE / 100]
+        wanted = {("actuator", i) for i in moved}
     names: list[str] = []
     for name in machine.steppers:
         driven = machine.driven_by(name)
@@ -223,7 +225,10 @@ def weights_of(machine: MachineConfig, switch: Switch) -> tuple[tuple[str, float
     weights: list[tuple[str, float]] = []
     for motor in motors_of_actuators(machine):
         if (driven := machine.driven_by(motor)) is not None:
-            above, below = (geometry.forward(_moved(q, driven.index, d)) for d in (_NUDGE, -_NUDGE))
+            nudged = [[*q], [*q]]
+            for joints, by in zip(nudged, (_NUDGE, -_NUDGE), strict=True):
+                joints[driven.index] += by
+            above, below = map(geometry.forward, nudged)
             if weight := round((above[k] - below[k]) / (2 * _NUDGE), 9):
                 weights.append((motor, weight))
     return tuple(weights)

@@ -202,7 +202,8 @@ class Homer:
         self._interrupts.raise_if_interrupted()
 
     async def _home(self, letters: str) -> None:
-        homed = [a for a in self._axes if not self._machine.axes[a].extruder]
+        moved = self._machine.moved_axes.values()
+        homed = [a for a in moved if not self._machine.axes[a].extruder]
         names = [a for a in homed if a.upper() in letters] or homed
         if "O" in letters and self._machine.unhomed_moves == "refuse":
             unknown = [self._axes[i] for i in self._rig.job.locked_axes]

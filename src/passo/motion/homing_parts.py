@@ -72,7 +72,7 @@ class HomingParts:
         needed: set[str] = of_arms & set(names)
         if needed == {"z"} and "z" in homing and not self._rig.job.locked_axes:
             needed = set[str]()
-        parts = [self.of(name) for name in machine.geometry.arms if needed]
+        parts = [self.of(name) for name in machine.geometry.arms if needed and name in homing]
         for name in names:
             if name in homing and (homing[name].by_default or not everything):
                 parts.append(self.of(name))
@@ -115,8 +115,12 @@ class HomingParts:
 
     def arms_at_home(self, z: float) -> list[float]:
         """The actuator positions with all arms at home; `z` is used if Z moves independently."""
-        machine = self._machine
-        return [
-            machine.homing[n].position if n in machine.geometry.arms else z
-            for n in machine.geometry.actuators
-        ]
+        homing, geometry = self._machine.homing, self._machine.geometry
+        home = {n: homing[n].position if n in homing else 0.0 for n in geometry.arms}
+        return [home.get(name, z) for name in geometry.actuators]
+
+    def unguided(self) -> list[int]:
+        """The numbers of the arms that have no endstop."""
+        names, homing = self._machine.geometry.actuators, self._machine.homing
+        free = self._machine.geometry.free
+        return [i for i, name in enumerate(names) if name in free and name not in homing]

@@ -75,6 +75,7 @@ class HomingRun:
         real = RealTravel(rig)  # the search lets the positions of the plan be wrong
         try:
             job.axes.use_joints(arms)
+            job.axes.set([(i, 0.0) for i in self._parts.unguided() if arms])
             travel = [once[w.name][0] if once else self._parts.travel(w.name) for w in homings]
             speeds = [once[w.name][1] if once else w.config.fast for w in homings]
             for homing, far in zip(homings, travel, strict=True):

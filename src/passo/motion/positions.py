@@ -124,8 +124,8 @@ class Positions:
         machine = self.machine
         places: list[float | None] = [None] * len(machine.axes)
         try:
-            a, b, c = (real[("actuator", i)] for i in range(3))
-            x, y, height = machine.geometry.forward((a, b, c))
+            joints = [real[("actuator", i)] for i in range(len(machine.geometry.actuators))]
+            x, y, height = machine.geometry.forward(joints)
             places[:3] = x, y, self._job.bed.plan_z(x, y, height)
         except (Unreachable, KeyError):
             pass

@@ -41,6 +41,5 @@ class RealTravel:
                 actuators[driven.index] += by
             elif driven.drive == "axis":
                 place[driven.index] += by
-        a, b, c = actuators
-        x, y, height = machine.geometry.forward((a, b, c))
+        x, y, height = machine.geometry.forward(actuators)
         return [x, y, rig.job.bed.plan_z(x, y, height), *place[3:]]

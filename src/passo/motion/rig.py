@@ -66,13 +66,15 @@ class Rig:
         x, y, z, *_ = job.machine_position
         nozzle = x, y, job.bed.nozzle_height(x, y, z)
         moved = [
-            machine.homing[name].position - old.homing[name].position if name in old.homing else 0.0
-            for name in old.geometry.arms
-        ] or [0.0] * 3
+            machine.homing[name].position - old.homing[name].position
+            if name in old.geometry.arms and name in old.homing
+            else 0.0
+            for name in old.geometry.actuators
+        ]
         home = machine.home_point
         try:
-            a, b, c = (q + by for q, by in zip(old.geometry.inverse(nozzle), moved, strict=True))
-            place = machine.geometry.forward((a, b, c))
+            joints = zip(old.geometry.inverse(nozzle), moved, strict=True)
+            place = machine.geometry.forward([q + by for q, by in joints])
             # a delta's rods also meet at places that its nozzle must not reach
             machine.geometry.inverse(place)
         except Unreachable:

@@ -48,8 +48,7 @@ def place_of_actuators(
         if not locked:
             nozzle = x, y, job.bed.nozzle_height(x, y, z)
             known = dict(zip(geometry.actuators, geometry.inverse(nozzle), strict=True))
-        a, b, c = (known | given).values()
-        point = geometry.forward((a, b, c))
+        point = geometry.forward([*(known | given).values()])
         geometry.inverse(point)  # a delta's rods also meet at places that its nozzle must not reach
         x, y, height = point
         point = x, y, job.bed.plan_z(x, y, height)

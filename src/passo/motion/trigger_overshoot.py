@@ -7,6 +7,7 @@ from math import floor
 from typing import TYPE_CHECKING
 
 from passo.config.pin_names import placed
+from passo.geometry.base import Joints
 from passo.motion.axis_slots import slot_of_axis
 from passo.motion.endstops import Switch
 
@@ -61,11 +62,10 @@ class TriggerOvershoot:
                 places.append((driven.index, position[slot_of_axis(driven.index)] + by))
             else:
                 joints[driven.index] += by
-        a, b, c = joints
-        point = joints if self._joints else self._machine.geometry.forward((a, b, c))
+        point = joints if self._joints else self._machine.geometry.forward(joints)
         return [*enumerate(point), *places]
 
-    def stopped(self) -> tuple[float, float, float]:
+    def stopped(self) -> Joints:
         """The actuator positions at which the motors have stopped, mm or degrees, from the counts
         of their boards. Their drives have taken up their gaps in the direction of the search. Only
         for moves of the axes."""
@@ -75,10 +75,9 @@ class TriggerOvershoot:
             if driven is not None and driven.drive == "actuator":
                 steps = row["count"] - self._lost_steps(row["name"]) + row["taken_up"]
                 found.setdefault(driven.index, steps / row["steps_per_unit"])
-        a, b, c = (found[i] for i in range(3))
-        return a, b, c
+        return tuple(found[i] for i in range(len(self._machine.geometry.actuators)))
 
-    def triggered(self, switch: Switch) -> tuple[float, float, float]:
+    def triggered(self, switch: Switch) -> Joints:
         """The actuator positions when this endstop triggered, mm or degrees. Motors that it does
         not stop have their final positions."""
         self.measure([switch])
@@ -86,8 +85,7 @@ class TriggerOvershoot:
         for driven, by in self._travels.items():
             if driven.drive == "actuator":
                 joints[driven.index] -= by
-        a, b, c = joints
-        return a, b, c
+        return tuple(joints)
 
     def _lost_steps(self, stepper: str) -> int:
         """The steps of the plan that the stop has cut off."""

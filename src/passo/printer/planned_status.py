@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import PurePath
 from typing import TYPE_CHECKING
 
-from passo.config.motor_roles import axis_order
 from passo.motion.axis_slots import slot_of_axis
 from passo.printer.print_objects import objects_of
 from passo.printer.status import (
@@ -50,9 +49,9 @@ def planned_status(
 ) -> Status:
     """The status at the end of the plan, which counts as done. `file` is None for a program that is
     not a file."""
-    axes, locked, program = axis_order(machine.axes), job.locked_axes, job.program_position
-    position_mm = {name: program[i] for i, name in enumerate(axes)} | {"e": program[-1]}
-    homed = frozenset(name for i, name in enumerate(axes) if i not in locked)
+    axes, locked, program = machine.moved_axes, job.locked_axes, job.program_position
+    position_mm = {name: program[i] for i, name in axes.items()} | {"e": program[-1]}
+    homed = frozenset(name for i, name in axes.items() if i not in locked)
     return Status(
         state=PrinterState.PRINTING,
         halted="",
@@ -73,7 +72,7 @@ def planned_status(
                 max_mm=machine.axes[name].max_mm,
                 babystep_mm=babysteps_mm.get(name, 0.0),
             )
-            for i, name in enumerate(axes)
+            for i, name in axes.items()
         },
         boards={
             name or "main": BoardStatus(__version__, board.mcu, float(board.clock_hz), True, 0, 0)

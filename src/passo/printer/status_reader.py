@@ -7,7 +7,6 @@ from dataclasses import replace
 from math import hypot
 from typing import TYPE_CHECKING
 
-from passo.config.motor_roles import axis_order
 from passo.motion.axis_slots import E, slot_of_axis
 from passo.printer.fault_status import faults_of
 from passo.printer.status import (
@@ -38,13 +37,15 @@ class StatusReader:
         self._outputs, self._heat, self._levelling = parts.outputs, parts.heat, parts.levelling
         self._offsets, self._inputs = parts.motion.offsets, parts.inputs
         self._sensors, self._tachometers = parts.sensors, parts.tachometers
-        self._letters = axis_order(self._rig.machine.axes)
+        self._axis_names = self._rig.machine.moved_axes
         self._moves_since_s: float | None = None
 
     def read(self) -> Status:
         """The current status."""
         rig, job = self._rig, self._rig.job
-        shown = {k.lower(): mm for k, mm in rig.positions.shown().items()}
+        names = {*self._axis_names.values(), "e"}
+        positions = {k.lower(): mm for k, mm in rig.positions.shown().items()}
+        shown = {name: mm for name, mm in positions.items() if name in names}
         homed = _homed_axes(rig)
         status = Status(
             state=self._printer_state(),
@@ -151,7 +152,7 @@ class StatusReader:
         program, machine = rig.positions.program, job.machine_position
         steps = self._offsets.babysteps_mm
         found: dict[str, AxisStatus] = {}
-        for i, name in enumerate(self._letters):
+        for i, name in self._axis_names.items():
             axis = rig.machine.axes[name]
             shift = machine[slot_of_axis(i)] - program[i]
             found[name] = AxisStatus(
@@ -207,5 +208,5 @@ def _board_status(connection: Connection, *, simulated: bool) -> BoardStatus:
 
 def _homed_axes(rig: LiveRig) -> frozenset[str]:
     """The axes that may move: the homed ones, or all on a machine that does not require homing."""
-    axes, locked = axis_order(rig.machine.axes), rig.job.locked_axes
-    return frozenset(name for i, name in enumerate(axes) if i not in locked)
+    locked = rig.job.locked_axes
+    return frozenset(name for i, name in rig.machine.moved_axes.items() if i not in locked)

@@ -15,8 +15,8 @@ from passo.errors import CommandError
 from passo.gcode.command import Command
 from passo.gcode.parameters import axes, ignored, number, text
 from passo.gcode.registry import Kind, Subject, When, command
-from passo.geometry.base import Point, Unreachable
-from passo.motion.axis_slots import slot_of_axis
+from passo.geometry.base import Joints, Point, Unreachable
+from passo.motion.axis_slots import E, slot_of_axis
 from passo.motion.homing import Homer
 from passo.motion.rig import Rig
 from passo.motion.triggered_moves import TriggeredMoves
@@ -257,7 +257,7 @@ class MotorMoves:
         actuators, name = self._machine.geometry.actuators, letter.lower()
         if motors and name in actuators:
             return name
-        if motors and letter in "XYZ":
+        if motors and letter in "XYZ" and actuators:
             return actuators["XYZ".index(letter)]
         if name in self._axes and not self._machine.axes[name].extruder:
             return name
@@ -287,6 +287,10 @@ class MotorMoves:
             if motor.driven.drive == "axis":
                 axes[index] = distance
                 continue
+            if len(self._machine.geometry.actuators) > E:
+                limit = "X, Y and Z: more than three motors hold the nozzle, and none turns alone"
+                name = motor.together[0]
+                raise CommandError.of("command.value", axis="the motor", value=name, limit=limit)
             straight = self._straight(index)
             if straight is None:
                 joints[index] = distance
@@ -306,8 +310,7 @@ class MotorMoves:
         for factor in (1.0, -1.0, 2.0):
             moved = [at + factor * _TRIAL_MM * (i == actuator) for i, at in enumerate(home)]
             try:
-                a, b, c = moved
-                there = geometry.forward((a, b, c))
+                there = geometry.forward(moved)
             except Unreachable:
                 return None
             ends = zip(there, self._machine.home_point, strict=True)
@@ -319,7 +322,7 @@ class MotorMoves:
         )
         return found[0] if same else None
 
-    def _joints(self) -> Point | None:
+    def _joints(self) -> Joints | None:
         """The positions of the actuators, mm or degrees; None if an axis is not homed."""
         job = self._rig.job
         if any(axis < 3 for axis in job.locked_axes):
@@ -366,7 +369,7 @@ class MotorMoves:
                 self._require_reach(joints, turn, factor + part * k / _CHECKS)
             factor += part
 
-    def _require_reach(self, joints: Point, turn: _Turn, factor: float) -> None:
+    def _require_reach(self, joints: Joints, turn: _Turn, factor: float) -> None:
         start = self._rig.job.machine_position
         try:
             point = self._point(_moved(joints, turn, factor))
@@ -382,7 +385,7 @@ class MotorMoves:
             limit = f"{axis.min_mm:g} to {axis.max_mm:g} mm, as the axis is homed"
             raise CommandError.bad_value(name.upper(), round(place, 3), limit)
 
-    def _point(self, joints: Point) -> Point:
+    def _point(self, joints: Joints) -> Point:
         """The nozzle position in the plan for these positions of the actuators. Raises
         Unreachable."""
         geometry = self._machine.geometry
@@ -481,9 +484,8 @@ def _of_parts(words: Mapping[str, float]) -> dict[str, float]:
     return {letter: at for letter, at in words.items() if letter not in "FR"}
 
 
-def _moved(joints: Point, turn: _Turn, factor: float) -> Point:
-    a, b, c = (q + factor * turn.joints.get(i, 0.0) for i, q in enumerate(joints))
-    return a, b, c
+def _moved(joints: Joints, turn: _Turn, factor: float) -> Joints:
+    return tuple(q + factor * turn.joints.get(i, 0.0) for i, q in enumerate(joints))
 
 
 def _xyz(position: Sequence[float]) -> Point:

@@ -314,7 +314,7 @@ def _actuators(machine: MachineConfig) -> tuple[Actuator, ...]:
     starts: list[Actuator] = []
     for s in machine.core_spec()["steppers"]:
         start = askew.get(s["name"], 0.0)
-        if s["drive"] == "actuator" and machine.homing:
+        if s["drive"] == "actuator" and (machine.homing or not machine.geometry.homes):
             start += q[int(s["index"])]
         starts.append(Actuator(s["name"], s["steps_per_unit"], start))
     return tuple(starts)

@@ -19,7 +19,7 @@ def rrf_status(bridge: Bridge, kind: int) -> dict[str, Any]:
     """The status in RepRapFirmware's format. `kind` 1 is the usual report, 2 adds data of the
     machine, 3 data of the print."""
     status = bridge.latest().status
-    axes = list(bridge.machine.axes)
+    axes = [name for name in bridge.machine.axes if name in status.axes]
     hotends, beds = (heaters(bridge, status, kind) for kind in ("hotend", "bed"))
     all_heaters = [*beds[:1], *hotends]
     found: dict[str, Any] = {

@@ -24,12 +24,17 @@ _OF_HOMING = (
 
 
 def put_homing(
-    job: Import, sections: list[Section], names: list[str], letter: str, motor: str
+    job: Import,
+    sections: list[Section],
+    names: list[str],
+    letter: str,
+    motor: str,
+    part: str | None = None,
 ) -> None:
     """Imports the endstops of an axis or a tower. `names` are the motors of the `sections`; `motor`
-    is the first one."""
+    is the first one. `part` is what is homed, if that is neither the axis nor a tower."""
     first, put = sections[0], job.draft.put
-    path = ("homing", motor if letter in "abc" else letter)
+    path = ("homing", part or (motor if letter in "abc" else letter))
     written = first.text("endstop_pin")
     by_probe = "probe" in written and "virtual_endstop" in written
     if by_stall(written):

@@ -11,7 +11,9 @@ from passo.config.importing.klipper.deltesian import MOTORS as SIDES
 from passo.config.importing.klipper.deltesian import put_deltesian
 from passo.config.importing.klipper.drivers import put_driver
 from passo.config.importing.klipper.homing import put_homing
+from passo.config.importing.klipper.polar import put_polar
 from passo.config.importing.klipper.rotary_delta import ARMS, put_rotary_delta
+from passo.config.importing.klipper.winch import put_winch
 from passo.config.importing.numbers import NUMBER, in_range, number_of
 from passo.config.types import MIN_SPEED
 from passo.errors import ConfigError
@@ -34,6 +36,8 @@ _LIMITED = {f"limited_{kind}": kind for kind in ("cartesian", "corexy", "corexz"
 _MICROSTEPS = (1, 2, 4, 8, 16, 32, 64, 128, 256)  # of Passo; other drivers have others
 _COLDEST = ("limits", "min_extrude_c")
 _ROTARY, _DELTESIAN = "rotary_delta", "deltesian"
+_POLAR, _WINCH, _STILL = "polar", "winch", "none"
+_KNOWN = (*_ACTUATORS, _ROTARY, _DELTESIAN, _POLAR, _WINCH, _STILL)
 _WHOLE = {"full_steps_per_rotation": 200, "microsteps": 16}  # of a stepper, with usual values
 
 
@@ -42,14 +46,14 @@ def put_motion(job: Import) -> None:
     printer = job.required("printer")
     written = printer.text("kinematics")
     kind = _LIMITED.get(written, written)
-    if kind not in (known := (*_ACTUATORS, _ROTARY, _DELTESIAN)):
+    if kind not in _KNOWN:
         place = printer.at("kinematics")
         raise ConfigError.of(
             "import.kinematics",
             place.file,
             place.line,
             value=kind[:40],
-            limit=", ".join(known),
+            limit=", ".join(_KNOWN),
         )
     speed, accel = _positive(printer, "max_velocity"), _positive(printer, "max_accel")
     corner = max(printer.number("square_corner_velocity", 5.0) or 0.0, MIN_SPEED)
@@ -64,8 +68,19 @@ def put_motion(job: Import) -> None:
     elif kind == _ROTARY:
         put_rotary_delta(job, printer, (speed, z_speed, accel))
         for letter, (_, motor) in ARMS.items():
-            _put_arm(job, job.required(f"stepper_{letter}"), motor)
-    else:
+            section, first = job.required(f"stepper_{letter}"), job.required("stepper_a")
+            _put_arm(job, section, motor, first, reversed_=True)
+    elif kind == _POLAR:
+        put_polar(job, printer, (speed, z_speed, accel))
+        bed, arm = job.required("stepper_bed"), job.required("stepper_arm")
+        _put_arm(job, bed, "a", bed, reversed_=False)
+        put_stepper(job, arm, "b", arm)
+        put_homing(job, [arm], ["b"], "x", "b", part="b")
+        _put_motors(job, job.required("stepper_z"), "z", "z")
+    elif kind == _WINCH:
+        for motor, section in put_winch(job, printer, (speed, accel)).items():
+            put_stepper(job, section, motor, section)
+    elif kind != _STILL:
         _put_axes(job, printer, kind, speed, accel)
         for letter, motor in _ACTUATORS[kind].items():
             _put_motors(job, job.required(f"stepper_{letter}"), letter, motor)
@@ -159,13 +174,16 @@ def _put_motors(job: Import, section: Section, letter: str, motor: str) -> None:
     put_homing(job, sections, names, letter, motor)
 
 
-def _put_arm(job: Import, section: Section, name: str) -> None:
-    """Imports the motor of an arm, whose scale follows from its gears. Klipper counts its angle the
-    other way round."""
-    first = job.required("stepper_a")
+def _put_arm(job: Import, section: Section, name: str, first: Section, *, reversed_: bool) -> None:
+    """Imports the motor of an arm or a bed that turns, whose scale follows from its gears. If
+    `reversed_`, Klipper counts its angle the other way round."""
     steps = _put_whole(job, section, name, first)
     ratio = _gear_ratio(section if "gear_ratio" in section.options else first)
     path, place = ("steppers", name), section.at("gear_ratio")
+    if not reversed_:
+        job.draft.put((*path, "gear_ratio"), ratio, place)
+        _put_pins(job, section, name, first)
+        return
     job.draft.put((*path, "steps_per_degree"), float(f"{steps * ratio / 360:.10g}"), place)
     _put_pins(job, section, name, first)
     inverted = (*path, "invert") not in job.draft.keys

@@ -71,7 +71,7 @@ def _put_backlash(job: Job) -> None:
         job.dropped(name, "no gap is corrected; M425 sets it")
         return
     for axis, gap in gaps:
-        if axis in KINDS[job.kind].actuators:
+        if axis in KINDS[job.kind].motors:
             job.put(("backlash", f"{axis}_mm"), gap, share)
         else:
             job.dropped(name, f"no motor moves {axis.upper()} alone")

@@ -149,7 +149,7 @@ def _put_switch(job: Job, path: KeyPath, axis: str, side: str) -> None:
         what = next(name for name in several if defines.on(name))
         job.decide(what, f"give an endstop for each motor: homing.{path[-1]}.stepper_pins")
         return
-    motor = KINDS[job.kind].actuators["XYZ".index(axis)]
+    motor = KINDS[job.kind].motors["XYZ".index(axis)]
     marks = pin[: len(pin) - len(pin.lstrip("!^~"))]
     put((*path, "stepper_pins", motor), pin, place)
     for number, (name, other) in enumerate(zip(names, own, strict=True), 1):

@@ -46,7 +46,7 @@ def imported(path: Path, stored: Path | None = None, *, board: str | None = None
     put_board(job, known)
     _remark_on_the_rest(job)
     if stored is not None:
-        motors = dict(zip("xyz", KINDS[job.kind].actuators, strict=True))
+        motors = dict(zip("xyz", KINDS[job.kind].motors, strict=True))
         put_stored(draft, Sources().read(stored), stored.name, motors)
     return draft
 

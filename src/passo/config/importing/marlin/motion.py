@@ -63,7 +63,7 @@ def put_motion(job: Job) -> None:
     for name in beyond:
         job.dropped(name, "axes after Z are not taken over")
     _put_axes(job)
-    for index, (letter, motor) in enumerate(zip("xyz", KINDS[job.kind].actuators, strict=True)):
+    for index, (letter, motor) in enumerate(zip("xyz", KINDS[job.kind].motors, strict=True)):
         subtracts = chosen in _REVERSED and motor == "b"
         put_motor(job, index, letter, motor, subtracts)
         put_homing(job, index, letter, motor)

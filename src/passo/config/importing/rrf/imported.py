@@ -91,7 +91,7 @@ class _Conversion:
         source, draft = self._source, self._draft
         if self._kind == "delta":
             self._put_delta()
-        for axis, motor in zip("xyz", KINDS[self._kind].actuators, strict=True):
+        for axis, motor in zip("xyz", KINDS[self._kind].motors, strict=True):
             letter = axis.upper()
             self._put("axis", axis=axis, letter=letter)
             if self._kind != "delta":
