@@ -13,6 +13,8 @@ from passo.cli.main import main
 from passo.config.home_checks import check_skew
 from passo.config.importing.draft import Draft
 from passo.config.importing.formats import imported
+from passo.config.trinamic.known_motors import known_motors
+from passo.config.trinamic.motor import MotorConstants
 from passo.errors import ConfigError
 from passo.job.batch.simulated_print import Print
 
@@ -605,6 +607,30 @@ tuning_goal: silent
     assert (z.stealthchop_below_mm_s, z.hold_current_a) == (1e6, None)
     decided = remarks(draft, "decide")
     assert any("give steppers.z.tmc.motor from the data sheet of somebodys" in t for t in decided)
+
+
+def test_a_motor_that_is_known_by_name_needs_no_constants(load) -> None:
+    more = "[tmc2209 stepper_x]\nuart_pin: PC11\nrun_current: 0.8\n"
+    more += "[autotune_tmc stepper_x]\nmotor: LDO-42sth48-2004ac\nvoltage: 48\n"
+    draft, machine = load(more=more)
+    driver = machine.steppers["x"].tmc
+    assert driver is not None and driver.motor is not None
+    assert driver.motor.model_dump(exclude={"extra_hysteresis"}) == {
+        "resistance_ohm": 1.6,
+        "inductance_mh": 3.0,
+        "holding_torque_nm": 0.59,
+        "max_current_a": 2.0,
+        "supply_v": 48,
+    }
+    assert not [r for r in draft.remarks if "motor" in r.what]
+
+
+@pytest.mark.parametrize("name", known_motors())
+def test_each_known_motor_has_constants_that_fit_together(name: str) -> None:
+    """A coil with its rated current has a few watts, and a time constant of milliseconds."""
+    motor = MotorConstants(**known_motors()[name])
+    assert 1 <= motor.resistance_ohm * motor.max_current_a**2 <= 8
+    assert 0.5 <= motor.inductance_mh / motor.resistance_ohm <= 4
 
 
 def test_klipper_probe_homes_z_and_mesh_is_within_reach(load) -> None:

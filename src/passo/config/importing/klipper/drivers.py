@@ -8,6 +8,7 @@ from passo.config.importing.klipper.buses import wires_of
 from passo.config.pin_names import named_on, placed
 from passo.config.pin_names import section as board_path
 from passo.config.trinamic import CHIPS, Chip, ChipName, chip_of
+from passo.config.trinamic.known_motors import known_motors
 
 if TYPE_CHECKING:
     from passo.config.importing.draft import KeyPath
@@ -119,7 +120,12 @@ def _put_tuning(job: Import, tuning: Section, motor: Section, path: KeyPath, chi
     constants = job.config.get(f"motor_constants {name}")
     tmc = (*path, "tmc")
     torque_nm: float | None = None
-    if constants is None:
+    if constants is None and (known := known_motors().get(name.lower())) is not None:
+        for key, value in known.items():
+            job.draft.put((*tmc, "motor", key), value, tuning.at("motor"))
+        torque_nm = known["holding_torque_nm"]
+        job.put("autotune", tuning, name=path[-1])
+    elif constants is None:
         text = f"give {'.'.join(tmc)}.motor from the data sheet of {name}"
         job.draft.decide(tuning.at("motor"), f"motor in [{tuning.name}]", text)
     else:
