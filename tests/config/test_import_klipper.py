@@ -516,8 +516,10 @@ def test_drivers_have_currents_and_wires(load) -> None:
     tmc = "uart_pin: PC11\nrun_current: 0.58\nstealthchop_threshold: 999999\nuart_address: 2\n"
     spi = "cs_pin: PD1\nrun_current: 0.6\nhold_current: 0.4\n"
     wires = "spi_software_sclk_pin: PD2\nspi_software_mosi_pin: PD4\nspi_software_miso_pin: PE1\n"
-    more = f"[tmc2209 stepper_x]\n{tmc}[tmc2130 stepper_y]\n{spi}{wires}[tmc5160 extruder]\n{spi}"
-    draft, machine = load(more=more + "[tmc2660 stepper_z]\nrun_current: 1\ncs_pin: PE15\n")
+    more = f"[tmc2209 stepper_x]\n{tmc}[tmc2130 stepper_y]\n{spi}{wires}[tmc5160 extruder]\n"
+    more += spi.replace("PD1", "PD7")
+    more += "[tmc2660 stepper_z]\nrun_current: 1\ncs_pin: PE15\nspi_bus: spi9\n"
+    draft, machine = load(more=more)
     x, y = machine.steppers["x"], machine.steppers["y"]
     assert x.tmc is not None
     assert y.tmc is not None
@@ -529,9 +531,26 @@ def test_drivers_have_currents_and_wires(load) -> None:
         "PD2",
         0.4,
     )
-    assert machine.steppers["e"].tmc is None
-    assert any("[tmc5160 extruder]" in text for text in remarks(draft, "decide"))
+    e = machine.steppers["e"].tmc  # without spi_bus: the first unit of an STM32
+    assert e is not None
+    assert (e.cs_pin, e.miso_pin, e.mosi_pin, e.clock_pin) == ("PD7", "PB14", "PB15", "PB13")
     assert any("[tmc2660 stepper_z]" in text for text in remarks(draft, "decide"))
+
+
+def test_a_driver_of_an_atmega2560_is_on_its_one_spi_unit(tmp_path: Path) -> None:
+    motors = "".join(
+        f"[stepper_{a}]\nstep_pin: PC{i}\ndir_pin: PL{i}\nenable_pin: !PA{i}\nmicrosteps: 16\n"
+        f"rotation_distance: 32\nendstop_pin: ^PK{i}\nposition_max: 200\n"
+        for i, a in enumerate("xyz")
+    )
+    head = "[mcu]\nserial: /dev/ttyACM0\n[printer]\nkinematics: cartesian\nmax_velocity: 200\n"
+    more = "max_accel: 1000\n[tmc2130 stepper_x]\ncs_pin: PG0\nrun_current: 0.3\n"
+    (tmp_path / "printer.cfg").write_text(head + more + motors, encoding="utf-8")
+    draft = imported(tmp_path / "printer.cfg")
+    pins = [
+        draft.keys["steppers", "x", "tmc", f"{pin}_pin"][0] for pin in ("miso", "mosi", "clock")
+    ]
+    assert pins == ["PB3", "PB2", "PB1"]
 
 
 def test_drivers_keep_their_registers(load) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from passo.config.pin_names import MAIN, named_on, placed
+from passo.config.pin_names import MAIN, bare, named_on, placed
 
 if TYPE_CHECKING:
     from passo.config.importing.draft import Place
@@ -25,7 +25,15 @@ _UNITS = {
     "spi0b": ("gpio4", "gpio7", "gpio6"),
     "spi0c": ("gpio16", "gpio19", "gpio18"),
     "spi0d": ("gpio20", "gpio23", "gpio22"),
+    "spi": ("PB3", "PB2", "PB1"),
 }
+# The units that Klipper takes without `spi_bus`, by pins that only these chips have: the ATmega2560
+# and 1280, an STM32.
+_FIRST_UNITS = {
+    "spi": re.compile(r"P[JKL][0-7]"),
+    "spi2": re.compile(r"P[A-E](8|9|1[0-5])"),
+}
+_NAMES = re.compile(r"\bP[A-L]\d+\b")
 _WITH_PINS = re.compile(r"spi\d_([A-Za-z]+\d+)_([A-Za-z]+\d+)_([A-Za-z]+\d+)")
 
 
@@ -59,7 +67,7 @@ def wires_of(job: Import, section: Section, select: str) -> dict[str, str]:
     section.used |= {"spi_speed", "spi_bus"}
     pins = {key: job.pins.of(section, option) for option, key in _SPI.items()}
     given = {key: pin for key, pin in pins.items() if pin is not None}
-    bus = section.text("spi_bus")
+    bus = section.text("spi_bus") or _first_unit(job, section, select)
     found = _WITH_PINS.fullmatch(bus)
     wires = (found[1], found[2], found[3]) if found else _UNITS.get(bus)
     if len(given) == len(pins) or wires is None:
@@ -69,3 +77,19 @@ def wires_of(job: Import, section: Section, select: str) -> dict[str, str]:
     text = f"its pins are {', '.join(named.values())}, which Passo drives in software"
     job.draft.changed(section.at("spi_bus"), f"[{section.name}] spi_bus {bus}", text)
     return named
+
+
+def _first_unit(job: Import, section: Section, select: str) -> str:
+    """The unit that the firmware takes for a chip without `spi_bus`; empty if it is not known."""
+    board = placed(section.text(select))[0]
+    pins = [
+        bare(pin)
+        for other in job.config.sections.values()
+        for option in other.options
+        if option.endswith("_pin")
+        for name, pin in [placed(other.text(option))]
+        if name == board
+    ]
+    if board == MAIN:
+        pins += [p for s in job.config.of("board_pins") for p in _NAMES.findall(s.text("aliases"))]
+    return next((u for u, form in _FIRST_UNITS.items() if any(map(form.fullmatch, pins))), "")
