@@ -930,10 +930,10 @@ def test_comment_of_jinja_in_a_printer_cfg_is_cut_as_by_klipper(load) -> None:
 
 
 def test_each_part_that_is_left_out_is_named_with_what_it_means(load) -> None:
-    more = "[pca9533 sign]\npin: PC1\n[brand_new thing]\n[pause_resume]\n"
+    more = "[manual_stepper sign]\npin: PC1\n[brand_new thing]\n[pause_resume]\n"
     draft, _ = load(("max_temp: 250", "max_temp: 250\ninline_resistor: 220"), more=more)
     lost = "\n".join(remarks(draft, "dropped"))
-    assert "[pca9533 sign]: the light stays off" in lost
+    assert "[manual_stepper sign]: the motor does not move" in lost
     assert "[brand_new thing]: Passo does not have this part" in lost
     assert "[extruder] inline_resistor: readings are a little off" in lost
     assert any("PAUSE, RESUME" in text for text in remarks(draft, "changed"))
@@ -1010,16 +1010,18 @@ def test_command_writes_the_file_and_the_report(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("printer.cfg").write_text(f"{BASE}[pca9533 sign]\npin: PC1\n[pca9533 lamp]\npin: PC6\n")
+    parts = "[manual_stepper sign]\npin: PC1\n[manual_stepper lamp]\npin: PC6\n"
+    Path("printer.cfg").write_text(BASE + parts)
     assert main(["import", "printer.cfg", "--output", "mine.toml"]) == 0
     out = capsys.readouterr().out
-    line = "  printer.cfg:106, 108: [pca9533 sign]; [pca9533 lamp]: the light stays off.\n"
+    named = "[manual_stepper sign]; [manual_stepper lamp]"
+    line = f"  printer.cfg:106, 108: {named}: the motor does not move.\n"
     assert f"Not taken over:\n{line}" in out
     assert out.endswith("Next: passo serve --machine mine.toml\n")
     assert main(["check", "mine.toml"]) == 0
     assert main(["import", "printer.cfg", "--output", "mine.toml"]) == 4
     assert main(["import", "printer.cfg", "--output", "b.toml", "--report", "r.txt"]) == 0
-    assert "[pca9533 sign]" in Path("r.txt").read_text()
+    assert "[manual_stepper sign]" in Path("r.txt").read_text()
     assert main(["import", "none.cfg"]) == 3
     capsys.readouterr()
 

@@ -238,7 +238,8 @@ initial_RED: 0.1
 initial_WHITE: 0.5
 [neopixel mixed]
 pin: PC13
-color_order: GRB, RGB
+chain_count: 2
+color_order: GRB, RGBW
 [led chamber]
 white_pin: !PC14
 cycle_time: 0.005
@@ -247,6 +248,19 @@ data_pin: PC15
 clock_pin: PE0
 chain_count: 10
 [pca9533 old]
+i2c_software_scl_pin: PE1
+i2c_software_sda_pin: PE2
+"""
+TEMPLATES = """
+[display_template glow]
+param_least: 0.25
+param_name: "nozzle"
+text:
+    {% set share = printer.extruder.temperature / 300 %}
+    {[share, param_least]|max}, 0, {1 - share}
+[gcode_macro GLOW]
+gcode:
+    SET_LED_TEMPLATE LED=toolhead TEMPLATE=glow PARAM_LEAST=0.5
 """
 
 
@@ -297,12 +311,25 @@ def test_lights_become_lights(tmp_path: Path):
     draft = imported(path)
     settle(draft)
     machine = config.load_text(draft.text(""))
-    assert list(machine.lights) == ["toolhead", "chamber", "bar"]
+    assert list(machine.lights) == ["toolhead", "mixed", "chamber", "bar", "old"]
     head = machine.lights["toolhead"].model_dump()
     assert (head["order"], head["count"], head["start"]) == ("GRBW", 3, [0.1, 0.0, 0.0, 0.5])
     assert machine.lights["chamber"].model_dump()["pwm_hz"] == pytest.approx(200)
-    assert any("one order for the whole chain" in text for text in remarks(draft, "decide"))
-    assert any("pca9533" in text for text in remarks(draft, "dropped"))
+    assert machine.lights["mixed"].model_dump()["orders"] == ["GRB", "RGBW"]
+    assert machine.lights["old"].model_dump()["kind"] == "pca9533"
     settings = Sections(machine).settings
     assert settings["neopixel toolhead"]["chain_count"] == 3
     assert settings["neopixel toolhead"]["initial_white"] == 0.5
+    assert settings["neopixel mixed"]["color_order"] == "GRB, RGBW"
+
+
+def test_templates_of_lights_come_along_where_lights_follow_them(tmp_path: Path):
+    path = tmp_path / "printer.cfg"
+    path.write_text(BASE + LIGHTS + TEMPLATES, encoding="utf-8")
+    draft = imported(path)
+    settle(draft)
+    (glow,) = config.load_text(draft.text("")).light_templates.values()
+    assert glow.variables == {"param_least": 0.25, "param_name": "nozzle"}
+    assert glow.color.split("\n")[-1].strip() == "{[share, param_least]|max}, 0, {1 - share}"
+    path.write_text(BASE + LIGHTS + TEMPLATES.partition("[gcode_macro")[0], encoding="utf-8")
+    assert any("display_template glow" in text for text in remarks(imported(path), "dropped"))

@@ -145,3 +145,39 @@ def test_effect_starts_after_the_moves_before_it(s):
 def test_effects_of_parts_that_are_not_there_are_refused(keys, limit):
     with pytest.raises(ConfigError, match=limit):
         machine(f"{TABLES}[light_effects.wrong]\n{keys}\n")
+
+
+TEMPLATES = """[light_templates.glow]
+color = "{[printer.extruder.target / 300, param_least]|max}, 0, {render('dim', share=0.5)}"
+variables = { param_least = 0.0 }
+[light_templates.dim]
+color = "{0.1 * share}"
+[light_templates.broken]
+color = "{printer.extruder.target}"
+"""
+
+
+def test_leds_follow_a_template_until_it_ends():
+    with Scenario(machine(TABLES + TEMPLATES)) as s:
+        s.host.ok("SET_LED LED=head GREEN=1")
+        s.host.ok("SET_LED_TEMPLATE LED=head TEMPLATE=Glow PARAM_LEAST=0.5 INDEX=2")
+        s.passes(1)
+        assert s.printer.status.read().lights["head"] == (GREEN, (0.5, 0.0, 0.05, 0.0), GREEN)
+        s.host.ok("M104 S240")
+        s.passes(1)
+        assert s.board.light("head") == bytes((0, 255, 0, 204, 0, 13, 0, 255, 0))
+        s.host.ok("SET_LED_TEMPLATE LED=head TEMPLATE=")
+        s.passes(1)
+        assert s.board.light("head") == bytes((0, 255, 0) * 3)
+
+
+def test_template_that_writes_no_colour_is_reported_once():
+    with Scenario(machine(TABLES + TEMPLATES)) as s:
+        s.host.ok("SET_LED_TEMPLATE LED=head TEMPLATE=broken")
+        s.passes(3)
+        told = [line for line in s.host.heard if "broken" in line]
+        assert len(told) == 1
+        assert "two to four numbers from 0 to 1" in told[0]
+        assert s.printer.status.read().lights["head"] == (DARK,) * 3
+        s.host.ok("SET_LED_TEMPLATE LED=head TEMPLATE=none")
+        assert any("glow, dim, broken" in line for line in s.host.heard)

@@ -203,9 +203,27 @@ def test_lights_on_buses_show_their_colours(firmware):
         assert chip.register(8) == 0xAA  # each output follows its brightness
 
 
+def test_chain_of_different_leds_has_the_order_of_each():
+    mixed = 'kind = "neopixel"\npin = "D6"\ncount = 2\norders = ["GRB", "RGBW"]\n'
+    with Scenario(machine(f"[lights.mixed]\n{mixed}")) as s:
+        s.host.ok("SET_LED LED=mixed RED=1 WHITE=0.2")
+        s.passes(1)
+        assert s.board.light("mixed") == bytes((0, 255, 0, 255, 0, 0, 51))
+
+
+def test_chip_with_four_steps_shows_the_nearest():
+    with Scenario(machine(BUSES.replace("pca9632", "pca9533"))) as s:
+        s.host.ok("SET_LED LED=lamp RED=1 GREEN=0.7 BLUE=0.3 WHITE=0.1")
+        s.passes(1)
+        chip = s.board.led_chip("lamp")
+        assert [chip.register(at) for at in range(1, 5)] == [0, 85, 0, 171]
+        assert chip.register(5) == 0b00_01_11_10  # white, red, green, blue
+
+
 @pytest.mark.parametrize(
     ("changes", "limit"),
     [
+        ('orders = ["RGB", "GRB"]', "one order for each of the 1 LEDs"),
         ('order = "RRB"', "a permutation of RGB or RGBW"),
         ("count = 167", "at most"),
         ("start = [2.0, 0.0, 0.0]", "1"),

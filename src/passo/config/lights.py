@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from passo.config.findings import Finding, number, tables
+from passo.config.findings import Finding, array, number, tables
 from passo.config.types import ColorOrder, Fraction, Model, PartName, Pin
 
 Color = tuple[float, float, float, float]
@@ -22,10 +22,15 @@ _NAMES = ("red", "green", "blue", "white")
 _DOTSTAR_ON = 0xFF  # the first byte of an LED: full brightness
 _Start = Annotated[list[Fraction], Field(min_length=3, max_length=4)]
 _Count = Annotated[int, Field(ge=1, le=MAX_BYTES // 3)]
-# Registers of the chips: (bytes that set the chip up, register of the first brightness).
-_CHIPS = {
-    "pca9632": ((bytes((0x00, 0x00)), bytes((0x01, 0x00)), bytes((0x08, 0xAA))), 0x02),
+# The registers that set the chips up, with their values. The two pulses of a PCA9533 have 152 Hz;
+# they are on for one and two thirds of the time.
+_SETUP: Mapping[str, tuple[tuple[int, int], ...]] = {
+    "pca9632": ((0x00, 0x00), (0x01, 0x00), (0x08, 0xAA)),
+    "pca9533": ((0x01, 0), (0x02, 85), (0x03, 0), (0x04, 171)),
 }
+_BRIGHTNESS = 0x80 | 0x02  # of a PCA9632: the first of its registers
+_SELECTORS = 0x05  # of a PCA9533: two bits for each output
+_STEPS = (0, 2, 3, 1)  # of a PCA9533: off, its two pulses, on
 
 
 class Neopixel(Model):
@@ -39,18 +44,27 @@ class Neopixel(Model):
     """The number of LEDs in the chain."""
     order: ColorOrder = "GRB"
     """The order of the colours in the chain: a permutation of RGB or RGBW."""
+    orders: list[ColorOrder] = []
+    """The order of each LED, in place of `order`, of a chain with LEDs of several kinds."""
     start: _Start = [0.0, 0.0, 0.0]
     """Red, green, blue and perhaps white after the start, as fractions of full brightness."""
 
     @property
     def colors(self) -> str:
         """The colours of its LEDs: some of R, G, B and W, in this order."""
-        return _in_order(self.order)
+        return _in_order("".join(self.led_orders))
+
+    @property
+    def led_orders(self) -> list[str]:
+        """The order of each LED."""
+        return self.orders or [self.order] * self.count
 
     def frame(self, colors: Iterable[Color]) -> bytes:
         """The bytes of the chain for the colour of each LED."""
         return bytes(
-            _byte(color["RGBW".index(letter)]) for color in colors for letter in self.order
+            _byte(color["RGBW".index(letter)])
+            for color, order in zip(colors, self.led_orders, strict=True)
+            for letter in order
         )
 
 
@@ -85,8 +99,8 @@ class Dotstar(Model):
 class LedChip(Model):
     """A chip that sets up to four LEDs, on an I2C bus."""
 
-    kind: Literal["pca9632"]
-    """The chip."""
+    kind: Literal["pca9632", "pca9533"]
+    """The chip. A PCA9533 knows four brightnesses: off, a third, two thirds and on."""
     scl_pin: Pin
     """The clock pin of the bus."""
     sda_pin: Pin
@@ -111,13 +125,16 @@ class LedChip(Model):
     @property
     def setup(self) -> tuple[bytes, ...]:
         """The bytes that set the chip up."""
-        return _CHIPS[self.kind][0]
+        return tuple(bytes(written) for written in _SETUP[self.kind])
 
     def frame(self, colors: Iterable[Color]) -> bytes:
         """The bytes that set the brightness of all outputs."""
         color = next(iter(colors))
-        values = [_byte(color["RGBW".index(letter)]) for letter in self.order]
-        return bytes((0x80 | _CHIPS[self.kind][1], *values))
+        shares = [color["RGBW".index(letter)] for letter in self.order]
+        if self.kind == "pca9632":
+            return bytes((_BRIGHTNESS, *map(_byte, shares)))
+        bits = [_STEPS[int(3.0 * share + 0.5)] << 2 * i for i, share in enumerate(shares)]
+        return bytes((_SELECTORS, sum(bits)))
 
 
 class Led(Model):
@@ -193,9 +210,18 @@ def check_lights(data: Mapping[str, Any]) -> Iterator[Finding]:
         if isinstance(order, str) and sorted(order) not in (sorted("RGB"), sorted("RGBW")):
             limit = "a permutation of RGB or RGBW"
             yield Finding("config.value", (*path, "order"), order, limit)
-        size = (number(light, "count") or 1) * len(str(order))
+        count = int(number(light, "count") or 1)
+        orders = [str(one) for one in array(light, "orders")]
+        for one in orders:
+            if sorted(one) not in (sorted("RGB"), sorted("RGBW")):
+                limit = "permutations of RGB or RGBW"
+                yield Finding("config.value", (*path, "orders"), one, limit)
+        if orders and len(orders) != count:
+            limit = f"one order for each of the {count} LEDs"
+            yield Finding("config.value", (*path, "orders"), f"{len(orders)} orders", limit)
+        size = sum(map(len, orders)) if orders else count * len(str(order))
         if light.get("kind") == "neopixel" and size > MAX_BYTES:
-            limit = f"{MAX_BYTES // len(str(order))} at most, of {len(str(order))} bytes each"
+            limit = f"LEDs of at most {MAX_BYTES} bytes together, here {size}"
             yield Finding("config.value", (*path, "count"), light.get("count"), limit)
         if light.get("kind") == "led" and not any(f"{color}_pin" in light for color in _NAMES):
             yield Finding("config.missing-key", (*path, "white_pin"), None, "a pin in quotes")

@@ -18,6 +18,7 @@ from passo.config.homing import Homing
 from passo.config.inputs import Buttons, FilamentSensors, button_input, sensor_input
 from passo.config.jerk import box_s
 from passo.config.light_effects import LightEffects
+from passo.config.light_templates import LightTemplates
 from passo.config.lights import Led, Lights, led_outputs
 from passo.config.macros import DelayedGcode, Macro
 from passo.config.motion import (
@@ -130,6 +131,8 @@ class MachineConfig(Model):
     """Coloured lights, by name."""
     light_effects: LightEffects = {}
     """Effects of the lights, by name."""
+    light_templates: LightTemplates = {}
+    """Templates of colours that lights follow, by name."""
     servos: Servos = {}
     """Servos, by name."""
     sensors: ShownSensors = {}

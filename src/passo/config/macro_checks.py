@@ -94,6 +94,8 @@ def check_macros(data: Mapping[str, Any]) -> Iterator[Finding]:
         taken.add(other)
     for name, delayed in tables(data, "delayed_gcode"):
         yield from _check_template(("delayed_gcode", name), delayed)
+    for name, template in tables(data, "light_templates"):
+        yield from _check_template(("light_templates", name), template, "color")
     if isinstance(probe := data.get("probe"), Mapping):
         for key in ("arm_gcode", "disarm_gcode"):
             yield from _check_template(("probe",), cast("Mapping[str, Any]", probe), key)

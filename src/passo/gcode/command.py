@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 # KEY=VALUE is not G-code, so the lexer does not split it into words.
 _PAIR = re.compile(
-    r"([^\s=]+)(?:\s*=\s*(\"(?:\\.|[^\"\\])*\"|'[^']*'|(?![^\s=(]+\s*=)\S+)?)?", re.DOTALL
+    r"([^\s=]+)(?:\s*(=)\s*(\"(?:\\.|[^\"\\])*\"|'[^']*'|(?![^\s=(]+\s*=)\S+)?)?", re.DOTALL
 )
 _QUOTED = re.compile(r"\\(.)", re.DOTALL)
 _ESCAPE = re.compile(rb"\\([0-9A-Fa-f]{2})")
@@ -238,11 +238,12 @@ class Command:
 
 def pairs_of(text: str) -> dict[str, str]:
     r"""KEY=VALUE parameters, keys in upper case. A value that contains blanks is quoted with " or
-    '; within ", `\"` is a quotation mark. Raises WordError for a key without a value."""
+    '; within ", `\"` is a quotation mark. KEY= is an empty text.
+    Raises WordError for a key alone."""
     pairs: dict[str, str] = {}
     for match in _PAIR.finditer(text):
-        value = match[2]
-        if value is None:
+        value = match[3] or ""
+        if match[2] is None:
             raise WordError.of("input.number", value=match[1][:30])
         if value[:1] in ("'", '"') and value[:1] == value[-1:] and len(value) > 1:
             quote, value = value[0], value[1:-1]

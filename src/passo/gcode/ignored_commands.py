@@ -38,7 +38,6 @@ _declare(
     Kind.NOT_BUILT,
     rest(),
     ("G12", "Passo has no nozzle wiper."),
-    ("SET_LED_TEMPLATE", "Passo has no templates for lights; see the machine file."),
     (
         "RUN_SHELL_COMMAND",
         "Passo starts no program of the computer; a program can call it, by the web API.",

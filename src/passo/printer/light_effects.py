@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 
 from passo.board.lights import PERIOD_S
 from passo.printer.effect_colors import Seen, effect_colors
+from passo.printer.light_templates import FollowedTemplates
 
 if TYPE_CHECKING:
     from passo.config.light_effects import LightEffect
     from passo.config.lights import Color
+    from passo.errors import PassoError
     from passo.printer.live_rig import LiveRig
 
 _PROGRESS_S = 1.0  # between two readings of the progress
@@ -20,7 +22,8 @@ _PROGRESS_S = 1.0  # between two readings of the progress
 class RunningEffects:
     """The running effects of one printer's lights, the last started one last. `base` gives the
     colours of a light without its effects, `show` shows others; `progress` gives the fraction of
-    the print that is done."""
+    the print that is done. `templates` are those that lights follow, below the effects; `failed`
+    receives their errors."""
 
     def __init__(
         self,
@@ -28,7 +31,9 @@ class RunningEffects:
         base: Callable[[str], tuple[Color, ...]],
         show: Callable[[str, tuple[Color, ...]], None],
         progress: Callable[[], float | None],
+        failed: Callable[[PassoError], None],
     ) -> None:
+        self.templates = FollowedTemplates(rig, failed)
         self._rig, self._base, self._show = rig, base, show
         self._progress = progress
         self._effects = rig.machine.light_effects
@@ -41,6 +46,7 @@ class RunningEffects:
     def reset(self) -> None:
         """Call this after the boards have started."""
         self._since_s = {name: 0.0 for name, effect in self._effects.items() if effect.starts}
+        self.templates.reset()
         self.shown.clear()
 
     def start(self, name: str, *, replaces: bool) -> None:
@@ -63,10 +69,11 @@ class RunningEffects:
     def time_passed(self) -> None:
         """Call this as time passes: shows the colours of this time."""
         now_s = self._loop.time()
-        if not (self._since_s or self.shown) or now_s < self._next_s:
+        if not (self._since_s or self.shown or self.templates.active) or now_s < self._next_s:
             return
         self._next_s = now_s + PERIOD_S
         found: dict[str, list[Color]] = {}
+        self.templates.paint(now_s, found, self._base)
         for name, since_s in self._since_s.items():
             effect = self._effects[name]
             colors = found.setdefault(effect.light, list(self._base(effect.light)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from passo.config.lights import Led, start_color
@@ -13,6 +13,7 @@ from passo.printer.light_effects import RunningEffects
 if TYPE_CHECKING:
     from passo.board.boards import Boards
     from passo.config.lights import Color
+    from passo.errors import PassoError
     from passo.printer.live_rig import LiveRig
     from passo.printer.state import State
 
@@ -32,7 +33,7 @@ class LightFrames:
         self._lights = {n: light for n, light in lights if not isinstance(light, Led)}
         self.shown: dict[str, tuple[Color, ...]] = {}
         self._planned: dict[int, Callable[[], None]] = {}  # by the value of the mark
-        self.effects = RunningEffects(rig, self._base, self._overlay, progress)
+        self.effects = RunningEffects(rig, self._base, self._overlay, progress, self._failed)
         self._number = 0
 
     def reset(self, boards: Boards) -> None:
@@ -54,6 +55,15 @@ class LightFrames:
             self._when(lambda: effects.start(effect, replaces=replaces))
         else:
             self._when(lambda: effects.stop([effect]))
+
+    def follow(
+        self, light: str, leds: Sequence[int], template: str | None, values: Mapping[str, object]
+    ) -> None:
+        """Lets LEDs, from 0, follow a template when the moves so far are done, or none."""
+        self._when(lambda: self.effects.templates.follow(light, leds, template, values))
+
+    def _failed(self, error: PassoError) -> None:
+        self._state.announce(_log, logging.WARNING, str(error), error.problems[0])
 
     def _when(self, act: Callable[[], None], *, at_once: bool = False) -> None:
         """Acts when the moves so far are done, or at once."""

@@ -121,7 +121,7 @@ class Macros:
             "variables": deepcopy(self.variables[name]),
         }
         gcode = self._machine.macros[name].gcode
-        text = self._render(name, gcode, values, status, budget, respond)
+        text = self._gcode(name, gcode, values, status, budget, respond)
         for watcher in self.watchers:
             watcher(command, text)
         job.program.insert(text.encode("utf-8", "surrogateescape"), code)
@@ -132,7 +132,14 @@ class Macros:
         from passo.gcode.template import Budget
 
         budget = self._budgets[True] = Budget()
-        return self._render(name, text, {}, status, budget, respond)
+        return self._gcode(name, text, {}, status, budget, respond)
+
+    def value(self, name: str, text: str, values: Mapping[str, Any], status: Status) -> str:
+        """What the template `text` of the machine file writes, which is not G-code; `name` is its
+        key, `values` are its variables. Raises CommandError."""
+        from passo.gcode.template import Budget
+
+        return self._render(name, text, values, status, Budget(), f"{status.time_s}")
 
     @command(
         "SET_GCODE_VARIABLE",
@@ -186,7 +193,7 @@ class Macros:
         """Copies the values of variables from another program."""
         self.variables = deepcopy(other.variables)
 
-    def _render(
+    def _gcode(
         self,
         name: str,
         text: str,
@@ -195,8 +202,6 @@ class Macros:
         budget: Budget,
         respond: Respond,
     ) -> str:
-        from passo.gcode.template import Template, TemplateFault
-
         def respond_info(message: object) -> str:
             respond(str(message))
             return ""
@@ -207,14 +212,27 @@ class Macros:
             "action_emergency_stop": _stop,
             "action_call_remote_method": self._call_remote_method,
         }
+        self._rendered += 1
+        # the clock decides what is random: so a program that is only planned stays the same
+        seed = f"{status.time_s} {self._rendered}"
+        return self._render(name, text, {**functions, **values}, status, budget, seed)
+
+    def _render(
+        self,
+        name: str,
+        text: str,
+        values: Mapping[str, Any],
+        status: Status,
+        budget: Budget,
+        seed: str,
+    ) -> str:
+        from passo.gcode.template import Template, TemplateFault
+
         template = self._templates.get(text)
         try:
             if template is None:
                 template = self._templates[text] = Template(text)
-            everything = {"printer": self._tree(status), **functions, **values}
-            self._rendered += 1
-            # the clock decides what is random: so a program that is only planned stays the same
-            return template.render(everything, budget, f"{status.time_s} {self._rendered}")
+            return template.render({"printer": self._tree(status), **values}, budget, seed)
         except TemplateFault as fault:
             where = {"axis": name, "value": fault.reason}
             if fault.line is None:

@@ -66,6 +66,7 @@ NEEDS: Mapping[str, _Needs] = {
         fan.thermostat for fan in machine.fans.values()
     ),
     "SET_LED": _has_light,
+    "SET_LED_TEMPLATE": _has_light,
     "SET_LED_EFFECT": lambda machine: bool(machine.light_effects),
     "STOP_LED_EFFECTS": lambda machine: bool(machine.light_effects),
     "M150": _has_light,

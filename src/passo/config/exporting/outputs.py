@@ -49,7 +49,9 @@ def _put_light(cfg: Cfg, name: str, light: Framed | Led) -> None:
             cfg.put(section, **{_I2C_PINS.get(key, key): cfg.pin(pin)})
     if isinstance(light, Neopixel | Dotstar):
         cfg.put(section, chain_count=light.count)
-    if isinstance(light, Neopixel | LedChip):
+    if isinstance(light, Neopixel):
+        cfg.put(section, color_order=", ".join(light.orders) or light.order)
+    if isinstance(light, LedChip) and light.kind == "pca9632":
         cfg.put(section, color_order=light.order)
     if isinstance(light, LedChip):
         cfg.put(section, i2c_address=light.address)

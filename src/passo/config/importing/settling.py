@@ -51,6 +51,7 @@ _PARTS = (
     _Part(("outputs", _ANY)),
     _Part(("lights", _ANY)),
     _Part(("light_effects", _ANY)),
+    _Part(("light_templates", _ANY)),
     _Part(("servos", _ANY)),
     _Part(("sensors", _ANY), ("sensor", "sensor_pin", "min_c", "max_c")),
     _Part(("shaping", _ANY)),

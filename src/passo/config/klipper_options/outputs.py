@@ -68,6 +68,12 @@ OUTPUTS: Mapping[str, Options] = {
         text("color_order", "RGBW"),
         *_COLOUR,
     ),
+    "pca9533": (
+        whole("i2c_address", 98),
+        text("i2c_software_scl_pin"),
+        text("i2c_software_sda_pin"),
+        *_COLOUR,
+    ),
     "gcode_button": (
         text("pin"),
         text("analog_range"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 from passo.config.lights import Led, led_outputs, shares, start_color
+from passo.config.macros import literal
 from passo.config.part_names import found_name
 from passo.errors import CommandError
 from passo.gcode.parameters import flag, ignored, integer, number, text
@@ -40,6 +41,12 @@ class LightSink(Protocol):
         """Starts or ends an effect when the moves so far are done."""
         ...
 
+    def follow(
+        self, light: str, leds: Sequence[int], template: str | None, values: Mapping[str, object]
+    ) -> None:
+        """Lets LEDs, from 0, follow a template when the moves so far are done, or none."""
+        ...
+
 
 class NoLights:
     """The lights of a program that is only planned."""
@@ -49,6 +56,11 @@ class NoLights:
 
     def set_light(self, light: str, colors: Sequence[Color], *, at_once: bool) -> None:
         """Shows nothing."""
+
+    def follow(
+        self, light: str, leds: Sequence[int], template: str | None, values: Mapping[str, object]
+    ) -> None:
+        """Follows nothing."""
 
 
 class Lights:
@@ -65,6 +77,7 @@ class Lights:
     ) -> None:
         self._lights, self._outputs, self._sink = machine.lights, outputs, sink
         self._job, self._effects = job, machine.light_effects
+        self._templates = machine.light_templates
         self._named = NamedParts(self._lights, LACKS, LIGHTS, job, stand_ins, omitted)
         self.colors: dict[str, list[Color]] = {
             name: [start_color(light)] * light.count for name, light in self._lights.items()
@@ -137,6 +150,44 @@ class Lights:
         )
         if command.value("TRANSMIT", 1.0):
             self._show(name, at_once=not command.value("SYNC", 1.0))
+
+    @command(
+        "SET_LED_TEMPLATE",
+        Subject.OUTPUTS,
+        When.PLANNED,
+        "Lets a light, or its LED INDEX, follow a template of the machine file. Other keys, such as"
+        " PARAM_X, set variables of the template. With an empty TEMPLATE the LEDs have the colours"
+        " of SET_LED again.",
+        text("LED", "the name of the light"),
+        text("TEMPLATE", "the name of the template"),
+        integer("INDEX", "the LED, from 1", 1),
+        lacks=LACKS,
+    )
+    def _set_template(self, command: Command, reply: Reply) -> None:
+        name = self.named(command, "LED", reply)
+        if name is None:
+            return
+        template, count = self._template(command.string("TEMPLATE")), self._lights[name].count
+        index = command.integer("INDEX", 0)
+        if index > count:
+            raise CommandError.bad_value("INDEX", index, f"1 to {count}")
+        values: dict[str, object] = {}
+        for key, written in command.pairs().items() if template else ():
+            variable = found_name(self._templates[template].variables, key) if template else None
+            if variable is not None:
+                values[variable] = _literal(key, written)
+        leds = range(count) if index == 0 else (index - 1,)
+        self._sink.follow(name, leds, template, values)
+
+    def _template(self, written: str) -> str | None:
+        """The template of this name; None for an empty one. Raises CommandError."""
+        if not written:
+            return None
+        name = found_name(self._templates, written)
+        if name is None:
+            limit = ", ".join(self._templates) or "one of light_templates, of which there is none"
+            raise CommandError.of("command.value", axis="TEMPLATE", value=written, limit=limit)
+        return name
 
     @command(
         "SET_LED_EFFECT",
@@ -224,3 +275,11 @@ class Lights:
 
         red, green, blue, white = (share(x, y) for x, y in zip("RUBW", before, strict=True))
         return red, green, blue, white
+
+
+def _literal(key: str, written: str) -> object:
+    """The value of a parameter. Raises CommandError."""
+    try:
+        return literal(written)
+    except ValueError:
+        raise CommandError.of("macro.value", axis=key, value=written) from None

@@ -14,6 +14,7 @@ from passo.config.importing.klipper.inputs import put_buttons, put_filament_sens
 from passo.config.importing.klipper.kept import put_kept
 from passo.config.importing.klipper.levelling import put_levelling
 from passo.config.importing.klipper.light_effects import put_light_effects
+from passo.config.importing.klipper.light_templates import put_light_templates
 from passo.config.importing.klipper.lights import put_lights
 from passo.config.importing.klipper.macros import put_macros, put_undefined_calls
 from passo.config.importing.klipper.mcus import finish_boards, put_boards
@@ -65,6 +66,7 @@ def _put_all(job: Import, board: str | None) -> None:
     put_heat(job)
     put_outputs(job)
     put_light_effects(job, put_lights(job))
+    put_light_templates(job)
     probe = [key for key in draft.keys if key[0] == "probe"]
     for key in probe:  # after motion and heat, as in other machine files
         draft.keys[key] = draft.keys.pop(key)

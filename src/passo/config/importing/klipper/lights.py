@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from passo.config.importing.klipper.cfg import Section
     from passo.config.importing.klipper.conversion import Import
 
-_KINDS = ("neopixel", "dotstar", "led", "pca9632")
+_KINDS = ("neopixel", "dotstar", "led", "pca9632", "pca9533")
 _COLORS = ("red", "green", "blue", "white")
 
 
@@ -39,11 +39,11 @@ def _put(job: Import, section: Section, name: str) -> None:
     job.put(section.kind, section, name=name)
     if section.flag("hardware_pwm", default=False):
         put((*path, "pwm"), section, "hardware_pwm", "hardware")
-    default = "RGBW" if section.kind == "pca9632" else "GRB"
+    default = "GRB" if section.kind == "neopixel" else "RGBW"
     orders = section.text("color_order", default).upper().replace(" ", "").split(",")
-    if len(set(orders)) > 1:
-        raise section.wrong("color_order", "one order for the whole chain")
-    if section.kind in ("neopixel", "pca9632"):
+    if section.kind == "neopixel" and len(set(orders)) > 1:
+        put((*path, "orders"), section, "color_order", orders)
+    elif section.kind in ("neopixel", "pca9632"):
         put((*path, "order"), section, "color_order", orders[0])
     start: list[Value] = [section.number(f"initial_{color}") or 0.0 for color in _COLORS]
     put((*path, "start"), section, "initial_red", start if any(start) else None)
