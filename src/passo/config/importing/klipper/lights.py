@@ -40,7 +40,8 @@ def _put(job: Import, section: Section, name: str) -> None:
     if section.flag("hardware_pwm", default=False):
         put((*path, "pwm"), section, "hardware_pwm", "hardware")
     default = "GRB" if section.kind == "neopixel" else "RGBW"
-    orders = section.text("color_order", default).upper().replace(" ", "").split(",")
+    text = section.text("color_order", default).upper().replace(" ", "")
+    orders: list[Value] = [*text.split(",")]
     if section.kind == "neopixel" and len(set(orders)) > 1:
         put((*path, "orders"), section, "color_order", orders)
     elif section.kind in ("neopixel", "pca9632"):
