@@ -78,6 +78,43 @@ def test_fault_in_a_descent_stops_the_nozzle(fault, says):
         assert min(lowest) > 5.0
 
 
+@pytest.mark.parametrize("method", ["scan", "rapid_scan"])
+def test_scan_measures_the_mesh_without_descents(method):
+    with at_home(eddy_machine()) as s:
+        start = s.loop.time()
+        s.host.ok(f"BED_MESH_CALIBRATE METHOD={method} PROBE_COUNT=7,6", 300)
+        took = s.loop.time() - start
+        mesh = s.printer.levelling.bed.status().mesh
+        assert (len(mesh.xs), len(mesh.ys)) == (7, 6)
+        errors = [
+            mesh.heights[j][i] - bed_mm(s.machine, x, y)
+            for j, y in enumerate(mesh.ys)
+            for i, x in enumerate(mesh.xs)
+        ]
+        assert max(map(abs, errors)) < 0.002
+        # 42 descents take 5 minutes. The way is 1.5 m, and a stop takes a quarter of a second.
+        assert took < (40 if method == "scan" else 30)
+
+
+def test_probe_scans_where_it_is():
+    with at_home(eddy_machine()) as s:
+        s.host.ok("G1 X100 Y100 Z3 F6000", 60)
+        (line,) = answers(s, "PROBE METHOD=scan")
+        height = float(re.search(r"z=(-?[0-9.]+)", line)[1])
+        assert height == pytest.approx(bed_mm(s.machine, 75, 105), abs=_EXACT_MM)
+        assert s.host.ok("M114")[0].startswith("X:100.000 Y:100.000 Z:3.000 ")
+
+
+def test_stop_in_a_scan_lifts_the_nozzle():
+    with at_home(eddy_machine()) as s:
+        s.host.send("BED_MESH_CALIBRATE METHOD=rapid_scan PROBE_COUNT=7,6")
+        s.passes(12.0)
+        s.host.send("M410")
+        s.passes(5.0)
+        assert s.positions()["z"] > 9.0 and not s.printer.state.halted
+        assert s.printer.levelling.bed.status().mesh is None
+
+
 def test_chip_without_an_answer_is_named():
     with at_home(eddy_machine()) as s:
         s.host.ok("SIMULATE_FAULT NAME=probe-coil VALUE=silent")

@@ -93,6 +93,13 @@ PROBE: Mapping[str, Entry] = {
         "the eddy current probe has no calibration, so that its frequencies have no heights",
         "Home X and Y, bring the nozzle near the bed, and send PROBE_EDDY_CURRENT_CALIBRATE",
     ),
+    "probe.no-values": _probe(
+        "the scan has no height of the bed with the nozzle at {value}",
+        "Scan more slowly (travel_mm_s of [probe]), or with METHOD=scan; check scan_mm",
+    ),
+    "probe.no-scan": _probe(
+        "this probe measures only by descents", "Leave METHOD out; an eddy current probe can scan"
+    ),
     "probe.out-of-range": _probe(
         "the frequency of the probe, {value}, is outside of its calibration, from {limit}",
         "Measure nearer to the bed. If the bed or the coil was changed, send"

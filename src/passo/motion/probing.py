@@ -16,6 +16,7 @@ from passo.config.probing import PROBE
 from passo.errors import CommandError, Problem
 from passo.geometry.base import Unreachable
 from passo.motion.axis_slots import X, Y, Z
+from passo.motion.bed_scan import BedScan
 from passo.motion.eddy_gauge import EddyGauge
 from passo.motion.endstops import probe_switch
 from passo.motion.probe_head import ProbeHead
@@ -382,6 +383,51 @@ class Prober:
                     end = found[-1].trigger_z_mm + above_mm
                 await self._lift(end)
         return found
+
+    async def scan(
+        self,
+        places: Sequence[Place],
+        report: Callable[[Measured], None] = lambda _: None,
+        *,
+        rapid: bool = False,
+    ) -> list[Measured]:
+        """Measures these places without descents, at `scan_mm`, with a probe that measures heights;
+        `rapid`: without stops. Otherwise like `measure`."""
+        gauge, probe = self.gauge, self.probe
+        if gauge is None or not isinstance(probe, EddyProbe):
+            return await self.measure(places, report)
+        self.check(places)
+        found: list[Measured] = []
+
+        def add(number: int, z_mm: float) -> None:
+            place, z = places[number], z_mm + probe.trigger_height_mm
+            found.append(Measured(place, round(self._height(place, z), 6), z))
+            report(found[-1])
+
+        spots = [self.nozzle_at(place) for place in places]
+        async with self._session():
+            await self._first(places[0])
+            await self._head.move(probe.lift_mm_s, z=probe.scan_mm)
+            if rapid:
+                scan = BedScan(self._rig, self._interrupts, self._triggered, gauge, spots)
+                await scan.run(probe.travel_mm_s, add)
+            else:
+                for number, (x, y) in enumerate(spots):
+                    await self._head.move(probe.travel_mm_s, x=x, y=y)
+                    add(number, self._head.z_mm - await gauge.height_mm())
+            await self._lift(probe.start_mm)
+        return found
+
+    async def height_here(self) -> float:
+        """The height of the bed below a probe that measures heights, without a move. Raises as
+        `measure`."""
+        if self.gauge is None:
+            raise CommandError.of("probe.no-scan")
+        place = self.place_here()
+        self.check([place])
+        async with self._session():
+            z = await self._measured_z(self.gauge)
+        return self._height(place, z)
 
     async def home(self, farthest_mm: float) -> None:
         """Homes Z by the probe: rises, goes over `homing.z.probe_at_mm`, descends by at most

@@ -22,7 +22,7 @@ from passo.printer.commands.bed_correction import DEFAULT, TERMS, BedCorrectionC
 from passo.printer.commands.manual_probe import METHODS, ManualProbe, by_hand
 from passo.printer.commands.mesh_words import ALGORITHMS, given_grid, given_interpolation
 from passo.printer.commands.probe_offsets import ProbeOffsetCommands
-from passo.printer.commands.probing import NO_PROBE
+from passo.printer.commands.probing import NO_PROBE, scan_of
 from passo.printer.status import BedPoint, BedStatus, BedSurface
 from passo.printer.wait_requests import Reply, Wait, WaitForMoves, WaitForProcedure
 from passo.probes.base import SensingProbe
@@ -187,9 +187,11 @@ class LevellingCommands:
         *,
         alone: bool = False,
         by_hand: bool = False,
+        scan: str | None = None,
     ) -> Wait:
         """Measures these places, by the probe or by the paper test; `done` gets the heights.
-        `by_hand`: by the paper test, also with a probe. With the probe, makes the predefined moves
+        `by_hand`: by the paper test, also with a probe; `scan`: without descents, if the probe can.
+        With the probe, makes the predefined moves
         before and after probing, unless `alone`: then the nozzle stays above the last place.
         `above_mm`: see `Prober.measure`. Raises CommandError."""
         found_so_far: list[Measured] = []
@@ -214,7 +216,14 @@ class LevellingCommands:
                 await self._moves.run_hook("before_probing")
             self._progress = 0, len(places)
             try:
-                found = await self._prober.measure(places, lambda m: reported(m, reply), above_mm)
+                if scan:
+                    found = await self._prober.scan(
+                        places, lambda m: reported(m, reply), rapid=scan == "rapid_scan"
+                    )
+                else:
+                    found = await self._prober.measure(
+                        places, lambda m: reported(m, reply), above_mm
+                    )
             finally:
                 self._progress = 0, 0
             ended(found, reply)
@@ -357,14 +366,15 @@ class LevellingCommands:
         "Measures a mesh; this replaces the correction before, and is stored as PROFILE. With"
         " ADAPTIVE=1 only where the print is, as far as the file says it. The other parameters"
         " replace the area, the number of points and the interpolation of the machine file for"
-        " this mesh. METHOD=manual measures by the paper test.",
+        " this mesh. METHOD=manual measures by the paper test; scan and rapid_scan, with an eddy"
+        " current probe, without descents.",
         text("MESH_MIN MESH_MAX", "the corners of the mesh: X,Y in mm"),
         text("PROBE_COUNT", "the points along X and Y: 5,5"),
         number("MESH_RADIUS", "the radius of a round mesh", "mm", 0, above=True),
         text("MESH_ORIGIN", "the middle of a round mesh: X,Y in mm"),
         integer("ROUND_PROBE_COUNT", "its points along X and Y"),
         choice("ALGORITHM", "the interpolation", *ALGORITHMS),
-        choice("METHOD", "manual: by the paper test", *METHODS),
+        choice("METHOD", "by the paper test, or without descents or stops", *METHODS),
         flag("ADAPTIVE", "only where the print is"),
         number("ADAPTIVE_MARGIN", "how far around it", "mm"),
         text("PROFILE", "the name under which the mesh is stored"),
@@ -395,6 +405,7 @@ class LevellingCommands:
             grid=grid,
             interpolation=interpolation,
             by_hand=by_hand(command),
+            scan=scan_of(command),
             then=measured,
         )
 
@@ -406,10 +417,11 @@ class LevellingCommands:
         grid: Grid | None = None,
         interpolation: Interpolation | None = None,
         by_hand: bool = False,
+        scan: str | None = None,
         then: Callable[[Reply], None] = lambda _: None,
     ) -> Wait:
         """Measures a mesh, which replaces the current correction unless `dry` is True. `by_hand`:
-        by the paper test, also with a probe. Raises CommandError."""
+        by the paper test, also with a probe; `scan`: see `_run`. Raises CommandError."""
         grid = grid or self.grid()
         interpolation = interpolation or self._config.interpolation
         avoid = [(a[0], a[1], a[2], a[3]) for a in self._config.avoid]
@@ -438,7 +450,7 @@ class LevellingCommands:
                 reply.say(line)
             then(reply)
 
-        return self._run(places, done, reply, by_hand=by_hand)
+        return self._run(places, done, reply, by_hand=by_hand, scan=scan)
 
     @command(
         "M557",

@@ -13,7 +13,7 @@ from passo.gcode.parameters import text
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.motion.probing import Measured, Place, Prober
 from passo.printer.commands.probe_offsets import ProbeOffsetCommands
-from passo.printer.commands.probing import NO_PROBE
+from passo.printer.commands.probing import NO_PROBE, SCANS
 from passo.printer.status import ManualProbeStatus
 from passo.printer.wait_requests import NullReply, Reply, Wait, WaitForProcedure
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 LOWEST_MM = 2.0  # below the last measured bed
 _SPEED_MM_S = 5.0
-METHODS = "manual", "automatic", "scan", "rapid_scan"  # a scan is point by point here
+METHODS = "manual", "automatic", *SCANS
 
 Done = Callable[[Sequence[Measured], Reply], None]
 

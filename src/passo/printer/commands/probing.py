@@ -6,7 +6,7 @@ from statistics import fmean, median, pstdev
 from typing import TYPE_CHECKING
 
 from passo.gcode.command import Command
-from passo.gcode.parameters import ignored, integer, number
+from passo.gcode.parameters import choice, ignored, integer, number
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.motion.probing import Place, Prober
 from passo.printer.wait_requests import Reply, Wait, WaitForMoves, WaitForProcedure
@@ -15,6 +15,13 @@ if TYPE_CHECKING:
     from passo.motion.rig import Rig
 
 NO_PROBE = "This machine has no probe."
+SCANS = "scan", "rapid_scan"
+
+
+def scan_of(command: Command) -> str | None:
+    """The scan that METHOD asks for, if it does."""
+    method = command.string("METHOD").lower()
+    return method if method in SCANS else None
 
 
 class ProbeCommands:
@@ -40,16 +47,24 @@ class ProbeCommands:
         "PROBE",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "Measures the height of the bed where the probe is, as Klipper reports it.",
+        "Measures the height of the bed where the probe is, as Klipper reports it. METHOD=scan"
+        " measures without a descent, with an eddy current probe.",
+        choice("METHOD", "scan: without a descent", *SCANS, "automatic"),
         kind=Kind.PROBED,
         lacks=NO_PROBE,
     )
-    def _probe_here(self, _: Command, reply: Reply) -> Wait | None:
+    def _probe_here(self, command: Command, reply: Reply) -> Wait | None:
+        scans = scan_of(command) is not None
+
         async def measure() -> None:
             place = self._prober.place_here()
-            (found,) = await self._prober.measure([place])
+            if scans:
+                height = await self._prober.height_here()
+            else:
+                (found,) = await self._prober.measure([place])
+                height = found.height_mm
             where = f"at {place.x:.3f},{place.y:.3f}"
-            reply.say(f"// Result: {where} estimate contact at z={found.height_mm:.6f}")
+            reply.say(f"// Result: {where} estimate contact at z={height:.6f}")
 
         return WaitForProcedure(measure)
 
