@@ -200,7 +200,8 @@ void bind_chips(nb::module_& m) {
       .def_rw("plugged", &Ldc1612Chip::plugged)
       .def_rw("open", &Ldc1612Chip::open, "The coil is broken.")
       .def_rw("celsius", &Ldc1612Chip::celsius, "The temperature of the coil.")
-      .def_rw("noise_hz", &Ldc1612Chip::noise_hz);
+      .def_rw("noise_hz", &Ldc1612Chip::noise_hz)
+      .def_rw("curve", &Ldc1612Chip::curve, "Heights in mm, rising, and frequencies in Hz.");
   m.def(
       "add_ldc1612",
       [](Bench& bench, uint32_t clock_pin, uint32_t data_pin, uint8_t address, uint32_t probe_pin,

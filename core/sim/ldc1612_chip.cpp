@@ -17,8 +17,19 @@ constexpr uint16_t kBestCurrent = 15, kCurrentShift = 6;
 }  // namespace
 
 double Ldc1612Chip::frequency(double mm) const {
-  const double near = std::max(mm, 0.0);
-  return (kFarHz + kRiseHz * std::exp(-near / kDecayMm)) * (1 - kPerC * (celsius - 25));
+  return cold(std::max(mm, 0.0)) * (1 - kPerC * (celsius - 25));
+}
+
+// Above the curve, its last slope decays.
+double Ldc1612Chip::cold(double mm) const {
+  if (curve.size() < 2) return kFarHz + kRiseHz * std::exp(-mm / kDecayMm);
+  const auto at = std::upper_bound(curve.begin() + 1, curve.end() - 1, std::pair(mm, 0.0));
+  const auto [low, low_hz] = *(at - 1);
+  const auto [high, high_hz] = *at;
+  const double slope = (high_hz - low_hz) / (high - low);
+  const double beyond = std::max(mm - high, 0.0);
+  return low_hz + slope * (mm - beyond - low) +
+         slope * kDecayMm * (1 - std::exp(-beyond / kDecayMm));
 }
 
 I2cChip Ldc1612Chip::on_i2c(std::shared_ptr<Ldc1612Chip> chip) {

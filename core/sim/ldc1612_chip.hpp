@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "link/device.hpp"
 #include "sim/bed.hpp"
@@ -14,7 +15,8 @@ namespace passo::wire {
 
 // The frequency of the coil falls with its distance from the bed, from kNear mm to infinity, as
 // kFarHz + kRiseHz · exp(-distance / kDecayMm). It also falls by kPerC of itself for each °C above
-// 25 °C. Each value has noise. If not `plugged`, the chip does not acknowledge; with an `open`
+// 25 °C. With a `curve`, the frequencies between its heights are those of the curve. Each value has
+// noise. If not `plugged`, the chip does not acknowledge; with an `open`
 // coil it measures nothing.
 class Ldc1612Chip {
  public:
@@ -26,6 +28,7 @@ class Ldc1612Chip {
 
   bool plugged = true, open = false;
   double celsius = 25, noise_hz = 10;
+  std::vector<std::pair<double, double>> curve;  // mm, rising, and Hz
 
   double frequency(double mm) const;
   uint32_t register_at(uint8_t address) const { return registers_[address]; }
@@ -49,6 +52,7 @@ class Ldc1612Chip {
   uint16_t read(uint8_t address, Ticks clock);
   void convert(Ticks clock);
   double interval() const;
+  double cold(double mm) const;
 };
 
 }  // namespace passo::wire

@@ -1521,6 +1521,13 @@ class Ldc1612Chip:
     @noise_hz.setter
     def noise_hz(self, arg: float, /) -> None: ...
 
+    @property
+    def curve(self) -> list[tuple[float, float]]:
+        """Heights in mm, rising, and frequencies in Hz."""
+
+    @curve.setter
+    def curve(self, arg: Sequence[tuple[float, float]], /) -> None: ...
+
 def add_ldc1612(bench: Bench, clock_pin: int, data_pin: int, address: int, probe_pin: int, clock_hz: float) -> Ldc1612Chip:
     """
     Connects an LDC1612 to the I2C bus on these pins. Its coil is the probe on `probe_pin`.

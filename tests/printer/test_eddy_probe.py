@@ -96,6 +96,34 @@ def test_scan_measures_the_mesh_without_descents(method):
         assert took < (40 if method == "scan" else 30)
 
 
+def test_calibration_by_the_paper_test_is_stored(tmp_path):
+    machine = load_text(eddy_text("", homes_z=False))
+    with at_home(machine, state=str(tmp_path)) as s:
+        s.host.ok("G1 X100 Y100 Z5 F6000", 60)
+        s.host.ok("LDC_CALIBRATE_DRIVE_CURRENT CHIP=eddy", 30)
+        assert "reg_drive_current: 15" in "".join(s.host.heard)
+        assert answers(s, "PROBE_EDDY_CURRENT_CALIBRATE CHIP=other")[0].startswith("echo:CHIP")
+        s.host.ok("PROBE_EDDY_CURRENT_CALIBRATE CHIP=eddy", 60)
+        # The paper touches where the nozzle is; the coil measures from the bed at the same place.
+        paper = round(simulated_bed(s.machine).shape.height(100, 100), 4)
+        s.host.ok(f"TESTZ Z={paper - 5}", 60)
+        s.host.ok("ACCEPT", 200)
+        found = {p.mm: p.hz for p in s.printer.motion.prober.gauge.points}
+        assert len(found) == 41
+        for mm in (0.05, 1.05, 2.05, 3.05):
+            slope = (hertz(mm) - hertz(mm + 0.1)) / 0.1
+            assert abs(found[mm] - hertz(mm)) / slope < 0.004  # a step is 0.0025 mm
+        assert probed(s, 60, 60) == pytest.approx(
+            simulated_bed(s.machine).shape.height(60, 60), abs=0.006
+        )
+        s.host.ok("M500", 10)
+    with at_home(machine, state=str(tmp_path)) as s:
+        assert {p.mm: p.hz for p in s.printer.motion.prober.gauge.points} == found
+        assert probed(s, 60, 60) == pytest.approx(
+            simulated_bed(s.machine).shape.height(60, 60), abs=0.006
+        )
+
+
 def test_probe_scans_where_it_is():
     with at_home(eddy_machine()) as s:
         s.host.ok("G1 X100 Y100 Z3 F6000", 60)

@@ -20,7 +20,7 @@ def hertz(mm: float) -> float:
     return 3_218_000 + 68_000 * exp(-mm / 2.2)
 
 
-def eddy_text(calibration: str | None = None, more: str = "") -> str:
+def eddy_text(calibration: str | None = None, more: str = "", *, homes_z: bool = True) -> str:
     """The machine file; `more` are further lines of the probe."""
     if calibration is None:
         rows = ", ".join(f"{{ mm = {mm}, hz = {hertz(mm):.3f} }}" for mm in HEIGHTS_MM)
@@ -30,7 +30,7 @@ def eddy_text(calibration: str | None = None, more: str = "") -> str:
     for old, new in (
         (_SWITCH, probe),
         ("trigger_height_mm = 1.2", "trigger_height_mm = 2.0"),
-        (_HOME, 'direction = "min"\nprobe = true\n'),
+        (_HOME, 'direction = "min"\nprobe = true\n' if homes_z else _HOME),
     ):
         assert old in text, old
         text = text.replace(old, new)

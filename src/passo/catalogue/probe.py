@@ -93,6 +93,11 @@ PROBE: Mapping[str, Entry] = {
         "the eddy current probe has no calibration, so that its frequencies have no heights",
         "Home X and Y, bring the nozzle near the bed, and send PROBE_EDDY_CURRENT_CALIBRATE",
     ),
+    "probe.bad-calibration": _probe(
+        "the frequency of the probe falls only up to {value} above the bed, and {limit} are needed",
+        "Send LDC_CALIBRATE_DRIVE_CURRENT far from the bed, and calibrate again, or lower"
+        " trigger_height_mm and scan_mm",
+    ),
     "probe.no-values": _probe(
         "the scan has no height of the bed with the nozzle at {value}",
         "Scan more slowly (travel_mm_s of [probe]), or with METHOD=scan; check scan_mm",

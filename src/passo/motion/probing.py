@@ -37,6 +37,7 @@ APART_MM = 1.0  # two descents to one place that differ by more show a fault
 COLD_S = 20.0  # heaters stay on in a descent that may take longer
 _LIMIT_MM = 1e-3  # to which the lowest place within the limits of the motors is found
 _PAPER = ManualProbe(kind="manual")
+_CLEAR_MM = 5.0  # above the bed, in a calibration
 _LIFT_MM = 0.5  # after each lift by this distance, a triggered probe is read again
 
 
@@ -295,7 +296,7 @@ class Prober:
         await self.probe.deploy(self._head)
 
     @asynccontextmanager
-    async def _session(self) -> AsyncGenerator[None]:
+    async def _session(self, *, calibrated: bool = True) -> AsyncGenerator[None]:
         """A probing session: the bed correction is off within the block. At the end the probe is
         stowed, unless M401 has deployed it. After an error, the nozzle is also lifted to the start
         height."""
@@ -303,7 +304,7 @@ class Prober:
         try:
             with self._correction.suspended(), self._triggered.prepared():
                 try:
-                    async with self._measuring():
+                    async with self._measuring(calibrated=calibrated):
                         yield
                 except BaseException as error:
                     await self._clear_up(error)
@@ -314,13 +315,15 @@ class Prober:
             self._triggered.active = False
 
     @asynccontextmanager
-    async def _measuring(self) -> AsyncGenerator[None]:
-        """Within the block, a probe that measures heights does so all the time."""
+    async def _measuring(self, *, calibrated: bool) -> AsyncGenerator[None]:
+        """Within the block, a probe that measures heights does so all the time. Raises CommandError
+        if it is to be `calibrated`, and is not."""
         gauge = self.gauge
         if gauge is None:
             yield
             return
-        _ = gauge.curve  # an error before anything moves
+        if calibrated:
+            _ = gauge.curve  # an error before anything moves
         await gauge.begin()
         try:
             yield
@@ -416,6 +419,27 @@ class Prober:
                     await self._head.move(probe.travel_mm_s, x=x, y=y)
                     add(number, self._head.z_mm - await gauge.height_mm())
             await self._lift(probe.start_mm)
+        return found
+
+    async def frequencies(
+        self, place: Place, bed_mm: float, heights_mm: Sequence[float], speed_mm_s: float
+    ) -> list[tuple[float, float]]:
+        """The frequencies of the probe above a place, with the nozzle at these heights above Z
+        `bed_mm`, in this order: pairs of height, mm, and Hz. Each height is approached from above.
+        Otherwise like `measure`."""
+        gauge = self.gauge
+        assert gauge is not None
+        self.check([place])
+        found: list[tuple[float, float]] = []
+        x, y = self.nozzle_at(place)
+        async with self._session(calibrated=False):
+            await self._lift(bed_mm + _CLEAR_MM)
+            await self._head.move(self.probe.travel_mm_s, x=x, y=y)
+            for mm in heights_mm:
+                await self._head.move(speed_mm_s, z=bed_mm + mm + _LIFT_MM)
+                await self._head.move(speed_mm_s, z=bed_mm + mm)
+                found.append((mm, await gauge.frequency_hz()))
+            await self._lift(bed_mm + _CLEAR_MM)
         return found
 
     async def height_here(self) -> float:

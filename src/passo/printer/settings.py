@@ -102,6 +102,8 @@ class Settings:
             yield Group("Probe and bed levelling", list(levelling.bed.setting_lines()))
         if levelling.twist:
             yield Group("Twist of the axes", list(levelling.twist.setting_lines()))
+        if levelling.eddy:
+            yield Group("Eddy current probe", list(levelling.eddy.setting_lines()))
         if levelling.delta:
             yield Group("Geometry of the delta", list(levelling.delta.setting_lines()))
         if levelling.z_endstops:

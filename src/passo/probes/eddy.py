@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Sequence
-from itertools import pairwise
+from itertools import pairwise, takewhile
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -98,10 +98,16 @@ class EddyCurve:
         return _between(self._mm[::-1], self._hz[::-1], mm)
 
 
+def falling(points: Sequence[EddyPoint]) -> list[EddyPoint]:
+    """The points by their height, from the lowest on, as far as the frequency falls."""
+    rows = sorted(points, key=lambda p: p.mm)
+    fit = takewhile(lambda ab: ab[0].mm < ab[1].mm and ab[0].hz > ab[1].hz, pairwise(rows))
+    return [*rows[:1], *(b for _, b in fit)]
+
+
 def falls(points: Sequence[EddyPoint]) -> bool:
     """Whether each higher point has a lower frequency."""
-    rows = sorted((p.mm, p.hz) for p in points)
-    return all(a[0] < b[0] and a[1] > b[1] for a, b in pairwise(rows))
+    return len(falling(points)) == len(points)
 
 
 def _between(xs: Sequence[float], ys: Sequence[float], x: float) -> float:

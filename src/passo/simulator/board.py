@@ -138,7 +138,7 @@ class SimulatedBoard:
             where = clock, data, part.wire.address, _COIL
             chip = _core.add_ldc1612(self.device, *where, float(self.board.clock_hz))
             if self._probe:
-                chip.celsius = self._probe.coil_c
+                chip.celsius, chip.curve = self._probe.coil_c, list(self._probe.curve)
             yield part.name, chip
 
     def _firmware_board(self, start_clock: int) -> _core.FirmwareBoard:

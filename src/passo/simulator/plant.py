@@ -159,8 +159,9 @@ class BedProbe:
     above the bed at the place of the probe, which is `offset_mm` from the nozzle, and opens
     `hysteresis_mm` higher. `motors` names one stepper for each actuator of `geometry`, which has
     the form that the core takes. In a dead area the probe never triggers, in a touchy area it is
-    always triggered. An eddy current probe has a coil of `coil_c` °C. `mechanism` deploys the
-    probe, controlled by the output `control`, unless the probe is jammed."""
+    always triggered. An eddy current probe has a coil of `coil_c` °C, and the `curve` of heights in
+    mm and frequencies in Hz. `mechanism` deploys the probe, controlled by the output `control`,
+    unless the probe is jammed."""
 
     endstop: str
     motors: tuple[str, ...]
@@ -178,6 +179,7 @@ class BedProbe:
     control: str | None = None
     jammed: bool = False
     coil_c: float = 25.0
+    curve: tuple[tuple[float, float], ...] = ()
     lifts: tuple[Lift, ...] = ()
 
 

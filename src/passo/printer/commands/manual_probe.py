@@ -3,7 +3,7 @@ ACCEPT."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -25,13 +25,14 @@ _SPEED_MM_S = 5.0
 METHODS = "manual", "automatic", *SCANS
 
 Done = Callable[[Sequence[Measured], Reply], None]
+Then = Callable[[Sequence[Measured], Reply], Awaitable[None]]
 
 
 @dataclass(slots=True)
 class _Run:
     """A test in progress: the remaining places, the heights so far, and the function to call at the
     end. `screws` are all screws of the bed if the test adjusts screws, with the nozzle at Z 0 above
-    each. `lowest_mm`: see `ManualProbe.start`."""
+    each. `lowest_mm`, `stays` and `then`: see `ManualProbe.start`."""
 
     places: list[Place]
     done: Done
@@ -41,6 +42,8 @@ class _Run:
     tried: list[float]
     screws: tuple[Place, ...] = ()
     lowest_mm: float = LOWEST_MM
+    stays: bool = False
+    then: Then | None = None
 
 
 class ManualProbe:
@@ -76,14 +79,17 @@ class ManualProbe:
         *,
         screws: bool = False,
         lowest_mm: float = LOWEST_MM,
+        stays: bool = False,
+        then: Then | None = None,
     ) -> WaitForProcedure:
         """Starts a test that moves the nozzle to each place in turn; `done` is called with the
-        heights. The nozzle may go `lowest_mm` below the last measured bed. Raises CommandError."""
+        heights. The nozzle may go `lowest_mm` below the last measured bed. With `stays`, it does
+        not move at the start. `then` runs after `done`, and may move. Raises CommandError."""
         if self._run is not None:
             raise CommandError.of("probe.manual-active")
         self._prober.check(places)
         shown = tuple(places) if screws else ()
-        run = _Run(list(places), done, report, len(places), [], [], shown, lowest_mm)
+        run = _Run(list(places), done, report, len(places), [], [], shown, lowest_mm, stays, then)
 
         async def begin() -> None:
             self._correction.suspend()
@@ -111,7 +117,8 @@ class ManualProbe:
 
     async def _next(self, reply: Reply) -> None:
         run = self._active
-        await self._prober.approach(run.places[0])
+        if not run.stays:
+            await self._prober.approach(run.places[0])
         run.tried = []
         if run.screws:
             await self._prober.to_height(0.0, _SPEED_MM_S)
@@ -212,6 +219,8 @@ class ManualProbe:
             raise
         self._end()
         run.done(run.found, reply)
+        if run.then is not None:
+            await run.then(run.found, reply)
 
     @command(
         "ADJUSTED",

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 Object = dict[str, Any]
 _NAME_OF_NEW = "default"
+_SECTIONS = {"bltouch": "bltouch", "eddy": "probe_eddy_current"}  # by the kind of the probe
 
 
 def bed_mesh(bed: BedStatus) -> Object:
@@ -38,7 +39,7 @@ def probe(bed: BedStatus) -> Object:
     last = bed.points[-1] if bed.points else None
     place = [last.x_mm, last.y_mm, last.height_mm] if last else [0.0, 0.0, 0.0]
     return {
-        "name": "bltouch" if bed.probe == "bltouch" else "probe",
+        "name": _SECTIONS.get(bed.probe, "probe"),
         "last_query": bed.triggered,
         "last_probe_position": place,
         "last_z_result": place[2],

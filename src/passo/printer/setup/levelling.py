@@ -12,6 +12,7 @@ from passo.printer.commands.axis_twist import AxisTwistCommands
 from passo.printer.commands.bed_correction import BedCorrectionCommands
 from passo.printer.commands.bed_screws import ScrewCommands
 from passo.printer.commands.delta_calibration import DeltaCommands, is_calibrated
+from passo.printer.commands.eddy import EddyCommands
 from passo.printer.commands.endstop_offsets import EndstopCommands
 from passo.printer.commands.levelling import LevellingCommands
 from passo.printer.commands.manual_probe import ManualProbe
@@ -23,6 +24,7 @@ from passo.printer.commands.skew import SkewCommands
 from passo.printer.commands.z_motors import EndstopOffsets, ZMotorCommands, has_endstops
 from passo.printer.live_rig import LiveRig
 from passo.printer.setup.motion import Motion
+from passo.probes.eddy import EddyProbe
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +41,7 @@ class Levelling:
     screws: ScrewCommands | None
     skew: SkewCommands | None
     twist: AxisTwistCommands | None
+    eddy: EddyCommands | None
     handlers: list[object]  # the parts that handle commands
 
 
@@ -61,13 +64,15 @@ def build_levelling(
         delta = DeltaCommands(rig, prober, motion.correction, manual)
     z_endstops = EndstopOffsets(rig) if has_endstops(machine) else None
     skew = SkewCommands(rig) if isinstance(machine.geometry, SkewableModel) else None
-    gantry = screws = twist = None
+    gantry = screws = twist = eddy = None
     handlers: list[object] = []
     if machine.probe is not None:
         handlers += [ProbeCommands(rig, prober), bed, correction, ProbeDeploymentCommands(prober)]
         handlers += [offsets, manual, ProbeMoveCommands(rig, prober)]
         if prober.twist:
             twist = AxisTwistCommands(prober, manual)
+        if isinstance(machine.probe, EddyProbe):
+            eddy = EddyCommands(machine.probe, prober, manual, offsets)
         if config.motors is not None:
             gantry = ZMotorCommands(
                 rig,
@@ -84,7 +89,7 @@ def build_levelling(
         handlers.append(manual)
     if delta is not None or z_endstops is not None:
         handlers.append(EndstopCommands(delta, z_endstops))
-    handlers += [part for part in (delta, gantry, screws, skew, twist) if part is not None]
+    handlers += [part for part in (delta, gantry, screws, skew, twist, eddy) if part is not None]
     return Levelling(
-        bed, correction, manual, delta, z_endstops, gantry, screws, skew, twist, handlers
+        bed, correction, manual, delta, z_endstops, gantry, screws, skew, twist, eddy, handlers
     )

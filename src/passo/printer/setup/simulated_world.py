@@ -26,6 +26,7 @@ from passo.motion.endstops import (
 )
 from passo.printer.setup.board_inputs import width_share
 from passo.probes.base import SensingProbe
+from passo.probes.eddy import EddyProbe
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -259,8 +260,15 @@ def _bed_probe(machine: MachineConfig) -> BedProbe | None:
         SERVO if probe.servo_pin else None,
         simulated.probe.jammed,
         simulated.probe.coil_c,
+        _coil_curve(probe),
         _lifts(machine),
     )
+
+
+def _coil_curve(probe: SensingProbe) -> tuple[tuple[float, float], ...]:
+    """The simulated coil is as the machine file calibrates it."""
+    points = probe.calibration if isinstance(probe, EddyProbe) else []
+    return tuple(sorted((point.mm, point.hz) for point in points))
 
 
 def _lifts(machine: MachineConfig) -> tuple[Lift, ...]:
