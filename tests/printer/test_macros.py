@@ -79,6 +79,23 @@ def test_variables_keep_what_calls_have_set():
         assert answers(s, "LOOK") == ["text"]
 
 
+def test_a_template_changes_tables_and_lists_of_variables_in_place():
+    text = macro("KEEP", "M118 {table} {names}", variables="{ table = {}, names = [1] }")
+    write = "{% set t = printer['gcode_macro keep'].table %}"
+    text += macro(
+        "SET", write + "{% for k in params %}{% do t.__setitem__(k, params[k]) %}{% endfor %}"
+    )
+    text += macro("ADD", "{% do printer['gcode_macro KEEP'].names.append(2) %}\nKEEP")
+    text += macro("WORSE", write + "{% do t.update(f=action_respond_info) %}")
+    with Scenario(with_macros(text)) as s:
+        s.host.ok("SET BED=60")
+        assert answers(s, "KEEP") == ["{'BED': '60'} [1]"]
+        assert answers(s, "ADD") == ["{'BED': '60'} [1, 2]"]
+        (said,) = answers(s, "WORSE")
+        assert "table of KEEP can hold texts, numbers, lists and tables only" in said
+        assert answers(s, "KEEP") == ["{'BED': '60'} [1, 2]"]
+
+
 def test_variables_have_values_that_toml_lacks():
     literals = """{ stage = "None", corner = "(10, 20)", names = "{0: 'PLA', .6: None}" }"""
     gcode = "M118 {stage is none} {corner[1]} {corner|length} {names[0]} {names[0.6]}"

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 _VARIABLE = re.compile(r"[a-z_][a-z0-9_]{0,99}", re.ASCII)
 _MAX_SAVED = 1000  # maximum number of variables of SAVE_VARIABLE
+_MACRO = "gcode_macro "  # what the objects of macros are called
 MAX_DEPTH = 16  # nested macros
 
 Respond = Callable[[str], object]
@@ -56,7 +57,9 @@ class PrinterTree(Mapping[str, Object]):
             known = found_name(self._found, written)
             if known is None:
                 raise KeyError(written)
-            self._made[written] = deepcopy(self._found[known]())
+            made = self._found[known]()
+            # variables are copies already, and a template may change what they hold
+            self._made[written] = made if known.startswith(_MACRO) else deepcopy(made)
         return self._made[written]
 
     def __iter__(self) -> Iterator[str]:
@@ -114,14 +117,15 @@ class Macros:
             from passo.gcode.template import Budget
 
             budget = self._budgets[console] = Budget()
+        variables = deepcopy(self.variables)
         values = {
-            **deepcopy(self.variables[name]),
+            **variables[name],
             "params": _params(command),
             "rawparams": command.text,
             "variables": deepcopy(self.variables[name]),
         }
         gcode = self._machine.macros[name].gcode
-        text = self._gcode(name, gcode, values, status, budget, respond)
+        text = self._gcode(name, gcode, values, variables, status, budget, respond)
         for watcher in self.watchers:
             watcher(command, text)
         job.program.insert(text.encode("utf-8", "surrogateescape"), code)
@@ -132,14 +136,30 @@ class Macros:
         from passo.gcode.template import Budget
 
         budget = self._budgets[True] = Budget()
-        return self._gcode(name, text, {}, status, budget, respond)
+        variables = deepcopy(self.variables)
+        return self._gcode(name, text, {}, variables, status, budget, respond)
 
     def value(self, name: str, text: str, values: Mapping[str, Any], status: Status) -> str:
         """What the template `text` of the machine file writes, which is not G-code; `name` is its
         key, `values` are its variables. Raises CommandError."""
         from passo.gcode.template import Budget
 
-        return self._render(name, text, values, status, Budget(), f"{status.time_s}")
+        printer = self._tree(status, deepcopy(self.variables))
+        everything = {"printer": printer, **values}
+        return self._render(name, text, everything, Budget(), f"{status.time_s}")
+
+    def _keep(self, name: str, variables: Mapping[str, Mapping[str, Any]]) -> None:
+        """Keeps what a template has changed within lists and tables of variables. Raises
+        CommandError."""
+        for macro, values in variables.items():
+            for variable, value in values.items():
+                if value == self.variables[macro][variable]:
+                    continue
+                try:
+                    self.variables[macro][variable] = literal(repr(value))
+                except ValueError:
+                    reason = f"{variable} of {macro} can hold texts, numbers, lists and tables only"
+                    raise CommandError.of("macro.whole", axis=name, value=reason) from None
 
     @command(
         "SET_GCODE_VARIABLE",
@@ -198,6 +218,7 @@ class Macros:
         name: str,
         text: str,
         values: Mapping[str, Any],
+        variables: dict[str, dict[str, Any]],
         status: Status,
         budget: Budget,
         respond: Respond,
@@ -215,14 +236,16 @@ class Macros:
         self._rendered += 1
         # the clock decides what is random: so a program that is only planned stays the same
         seed = f"{status.time_s} {self._rendered}"
-        return self._render(name, text, {**functions, **values}, status, budget, seed)
+        everything = {"printer": self._tree(status, variables), **functions, **values}
+        lines = self._render(name, text, everything, budget, seed)
+        self._keep(name, variables)
+        return lines
 
     def _render(
         self,
         name: str,
         text: str,
         values: Mapping[str, Any],
-        status: Status,
         budget: Budget,
         seed: str,
     ) -> str:
@@ -232,7 +255,7 @@ class Macros:
         try:
             if template is None:
                 template = self._templates[text] = Template(text)
-            return template.render({"printer": self._tree(status), **values}, budget, seed)
+            return template.render(values, budget, seed)
         except TemplateFault as fault:
             where = {"axis": name, "value": fault.reason}
             if fault.line is None:
@@ -248,8 +271,8 @@ class Macros:
             listener(str(method), arguments)
         return ""
 
-    def _tree(self, status: Status) -> PrinterTree:
-        found = objects(self._machine, self._sections, status, deepcopy(self.variables))
+    def _tree(self, status: Status, variables: dict[str, dict[str, Any]]) -> PrinterTree:
+        found = objects(self._machine, self._sections, status, variables)
         saved = deepcopy(self.saved)
         found = self.stand_ins.objects | found
         return PrinterTree(found | {"save_variables": lambda: {"variables": saved}})
