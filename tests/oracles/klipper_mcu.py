@@ -98,9 +98,12 @@ class KlipperMcu:
         }
         self._newer = any(key == "values" for key, _ in self._reports["analog_in_state"][1])
         self.hz: int = told["config"]["CLOCK_FREQ"]
-        self._numbers = {
+        pins = told["enumerations"]["pin"]
+        self._numbers = {name: n for name, n in pins.items() if isinstance(n, int)} | {
             f"{stem}{int(number) + i}": first + i
-            for name, (first, count) in told["enumerations"]["pin"].items()
+            for name, range_ in pins.items()
+            if not isinstance(range_, int)
+            for first, count in (range_,)
             for stem, number in re.findall(r"(.*?)(\d+)$", name)
             for i in range(count)
         }

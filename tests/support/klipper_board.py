@@ -84,7 +84,7 @@ STM32 = {
         "STATS_SUMSQ_BASE": 256,
         "STEPPER_STEP_BOTH_EDGE": 1,
     },
-    "pin": {f"P{port}0": [16 * i, 16] for i, port in enumerate("ABCDE")},
+    "pin": {f"P{port}0": [16 * i, 16] for i, port in enumerate("ABCDE")} | {"ADC_TEMPERATURE": 254},
 }
 # The same parts on the pins of a RAMPS.
 # A process on a Linux computer, and a PRU of a BeagleBone: they have no `reset`, their pins other

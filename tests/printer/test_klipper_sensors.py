@@ -1,5 +1,5 @@
-"""Sensor chips on the I2C bus of a board with Klipper's firmware, as a printer.cfg describes
-them."""
+"""Sensors of a board with Klipper's firmware, as a printer.cfg describes them: chips on its I2C
+bus, and the sensor of its microcontroller."""
 
 from __future__ import annotations
 
@@ -32,13 +32,18 @@ sensor_type: SHT21
 i2c_software_scl_pin: PC10
 i2c_software_sda_pin: PC11
 htu21d_report_time: 5
+[temperature_sensor board]
+sensor_type: temperature_mcu
 """
 ADDRESSES = {"bme280": 119, "sht21": 64}
+CHIP_C = 40.0
+CHIP_V = 1.43 - 0.0043 * (CHIP_C - 25)  # of an STM32F103: its data sheet, 5.3.21
 
 
 @pytest.fixture(params=["newer", "older"])
 def board(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Board:
     it = Board(dictionary(chip="stm32", newer=request.param == "newer"), axes="")
+    it.analog = round(CHIP_V / 3.3 * it.told["config"]["ADC_MAX"])
     it.i2c = {address: sensor_chip(kind, it.hz) for kind, address in ADDRESSES.items()}
     monkeypatch.setattr("tests.oracles.klipper_mcu._MOVES", 1024)
     monkeypatch.setattr("passo.printer.printer.connect", connected(Port(it)))
@@ -74,3 +79,19 @@ def test_chips_of_a_printer_cfg_reach_the_status(s: Scenario, board: Board) -> N
     assert found["temperature_sensor chamber"]()["temperature"] == pytest.approx(38.5, abs=0.02)
     assert "temperature_sensor chamber" in found["heaters"]()["available_sensors"]
     assert " C:38.5" in s.host.ok("M105")[0]
+
+
+def test_temperature_of_the_microcontroller_is_shown(s: Scenario) -> None:
+    s.passes(2)
+    assert shown(s)["temperature_sensor board"]()["temperature"] == pytest.approx(CHIP_C, abs=0.2)
+
+
+def test_silent_chip_stops_the_board_of_older_firmware_alone(s: Scenario, board: Board) -> None:
+    s.passes(4)
+    board.i2c[119].plugged = False
+    if board.told["enumerations"].get("i2c_bus_status"):
+        s.host.expect("sensor chamber does not answer at address 119 on I2C .i2c1_PB6_PB7.", 8)
+        s.passes(5)
+        assert not s.printer.state.halted
+        return
+    s.host.expect("Printer halted: .*I2C NACK. A device on I2C, such as an accelerometer", 8)
