@@ -410,6 +410,8 @@ def test_a_tmc2240_reports_its_temperature_and_supply(firmware):
         e = s.printer.status.read().drivers["e"]
         assert e.temperature_c == pytest.approx(120.0)
         assert e.supply_v == pytest.approx(24.0, abs=0.01)
+        seen = objects(s.machine, Sections(s.machine), s.printer.status.read(), {})
+        assert seen["tmc2240 extruder"]()["temperature"] == pytest.approx(120.0)
         assert (s.board.drivers["e"].read(0x0A), register(s, "e", r.GLOBALSCALER)) == (1, 145)
         assert any(line.endswith("spreadCycle, 120 C, 24.0 V") for line in s.host.ok("M122"))
 

@@ -1,5 +1,7 @@
 """Temperatures on a console: set-points, waits, faults and what they stop."""
 
+import re
+
 import pytest
 from tests.support.scenario import Scenario
 
@@ -68,6 +70,22 @@ def test_heaters_are_named_by_their_number(s):
     assert "there is no hotend with number 3" in s.host.ok("M104 T3 S100")[0]
     assert s.host.ok("M141 S40") == ["ok"]  # no chamber, none named
     assert "there is no chamber with number 0; the machine has 0" in s.host.ok("M141 P0 S40")[0]
+
+
+def test_m141_sets_the_chamber_and_m191_waits_for_it():
+    text = config.shipped_text("i3").replace('kind = "bed"', 'kind = "chamber"', 1)
+    with Scenario(config.load_text(text)) as s:
+        s.host.ok("M141 S40")
+        s.passes(1)
+        assert heater(s, "bed").target == 40
+        s.host.ok("M191", 300)
+        assert heater(s, "bed").celsius == pytest.approx(40, abs=1.1)
+        assert re.search(r" C:(39|40|41)\.\d+ /40.00", s.host.ok("M105")[0])
+        s.host.ok("M191 R35", 900)
+        assert heater(s, "bed").celsius == pytest.approx(35, abs=1.1)
+        s.host.ok("M141 S0")
+        s.passes(1)
+        assert heater(s, "bed").target == 0
 
 
 def test_m190_r_waits_for_cooling_too(s):

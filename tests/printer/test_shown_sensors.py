@@ -119,6 +119,7 @@ def test_wait_for_the_chamber_ends_when_it_is_warm(s, line):
 
 def test_m108_ends_a_wait_for_a_sensor(s):
     s.host.send('TEMPERATURE_WAIT SENSOR="temperature_sensor Chamber" MINIMUM=45')
+    s.host.silent(5, "^ok")
     s.passes(5)
     s.host.send("M108")
     s.host.expect("^ok", 2)
@@ -130,6 +131,28 @@ def test_wait_for_a_broken_sensor_is_refused(s):
     s.board.force_sensor("Chamber", 1.0)
     s.host.expect("sensor Chamber is broken: its cable is open", 5)
     s.host.expect("^ok", 2)
+
+
+def test_wait_for_a_sensor_without_readings_is_refused(s):
+    """The file of the sensor does not exist."""
+    start = s.loop.time()
+    s.host.send('TEMPERATURE_WAIT SENSOR="temperature_sensor pi" MINIMUM=45')
+    s.host.expect("sensor pi has given no temperature for 10 s, so it cannot be waited for", 12)
+    assert s.loop.time() - start == pytest.approx(10, abs=1)
+    s.host.expect("^ok", 1)
+
+
+def test_wait_for_a_combined_sensor_follows_its_parts():
+    both = '[sensors.both]\nsensor = { kind = "combined", of = ["Chamber", "bed"], by = "min" }\n'
+    text = shipped_text("i3").replace("[fans.part]", f"{SENSORS}{both}[fans.part]")
+    with Scenario(config.load_text(text)) as s:
+        s.passes(2)
+        s.host.ok("M140 S45")
+        s.host.send('TEMPERATURE_WAIT SENSOR="temperature_sensor both" MINIMUM=40', "M118 warm")
+        s.host.silent(300, "^warm")
+        assert s.printer.rig.connection.heaters["bed"].celsius > 44
+        warms(s, 41)
+        s.host.expect("warm", 2)
 
 
 def test_temperature_wait_waits_while_a_heater_cools(s):

@@ -39,6 +39,10 @@ SHOWN: Mapping[str, Entry] = {
         "the sensors of {axis} read {value} apart, of at most {limit}",
         "Check which of them is wrong, or change max_deviation_c in the machine file",
     ),
+    "sensor.no-reading": _shown(
+        "sensor {axis} has given no temperature for {value:g} s, so it cannot be waited for",
+        "Check the sensor, its board and its firmware; M105 and the page show its readings",
+    ),
     "sensor.low": _shown(
         "sensor {axis} reads {value:.1f} °C, below its minimum of {limit:.1f} °C",
         "Check the sensor, or change its min_c in the machine file",

@@ -40,11 +40,13 @@ class WaitForTemperatures:
 
 @dataclass(frozen=True, slots=True)
 class WaitForReading:
-    """Waits until all moves are done and a heater or a sensor reads from `low_c` to `high_c`."""
+    """Waits until all moves are done and a heater or a sensor reads from `low_c` to `high_c`;
+    `heats`: a heater warms up to there."""
 
     name: str
     low_c: float
     high_c: float
+    heats: bool = False
 
 
 @dataclass(frozen=True, slots=True)

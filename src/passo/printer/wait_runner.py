@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 WARMING_S = 1.0  # print time between two lines of temperatures during a wait
 # A heater that has cooled by less than this in this time has stopped cooling (values of StuFW).
 _MIN_COOLING_C, _COOLING_S = 1.5, 60.0
+_NO_READING_S = 10.0  # without one, a wait for a reading ends
 
 
 class _Cooling:
@@ -252,9 +253,10 @@ class WaitRunner:
                 raise CommandError([HeaterFault.of(name, heater.fault).problem])
 
     async def _read(self, wait: WaitForReading, reply: Reply) -> None:
-        """Waits for a reading. Raises CommandError if the sensor is broken."""
+        """Waits for a reading. Raises CommandError if the sensor is broken, or gives none."""
         rig, state, name = self._rig, self._state, wait.name
         told_s, heater = rig.queue.now_s, rig.connection.heaters.get(name)
+        read_s = told_s  # when there was a reading, or the link was lost
 
         def fault() -> HeaterFault | SensorFault | None:
             if heater is None:
@@ -262,21 +264,30 @@ class WaitRunner:
             return None if heater.fault is None else HeaterFault.of(name, heater.fault)
 
         def there() -> bool:
-            nonlocal told_s
+            nonlocal told_s, read_s
             if rig.queue.now_s >= told_s + WARMING_S:
                 told_s += WARMING_S
                 reply.warming(f" {self._temperatures()} W:?")
             celsius = self._sensors.celsius(name) if heater is None else heater.celsius
             near = celsius is not None and wait.low_c <= celsius <= wait.high_c
-            return near or state.interrupted or fault() is not None
+            if celsius is not None or rig.queue.interrupted:
+                read_s = rig.queue.now_s
+            return near or state.interrupted or silent() or fault() is not None
+
+        def silent() -> bool:
+            return rig.queue.now_s > read_s + _NO_READING_S
 
         self.heating = True
         try:
             await rig.queue.until(there)
         finally:
             self.heating = False
-        if (found := fault()) is not None and not state.interrupted:
+        if state.interrupted:
+            return
+        if (found := fault()) is not None:
             raise CommandError([found.problem])
+        if silent():
+            raise CommandError.of("sensor.no-reading", axis=name, value=_NO_READING_S)
 
     async def _tune(self, wait: WaitForTuning) -> None:
         self.heating = True

@@ -21,7 +21,14 @@ from passo.printer.macros import EmergencyStop
 from passo.printer.planned_status import PlannedFile
 from passo.printer.skipped_commands import SkippedCommand
 from passo.printer.unfit_commands import ALL, ALLOWED_BY, Skips, unfit
-from passo.printer.wait_requests import Stop, Wait, WaitForHoming, WaitForMoves, WaitForTemperatures
+from passo.printer.wait_requests import (
+    Stop,
+    Wait,
+    WaitForHoming,
+    WaitForMoves,
+    WaitForReading,
+    WaitForTemperatures,
+)
 
 _log = logging.getLogger(__name__)
 
@@ -107,6 +114,8 @@ def heated(job: _core.Job, wait_for: Callable[[list[str]], None]) -> Settle:
     def settle(wait: Wait) -> None:
         if isinstance(wait, WaitForTemperatures):
             wait_for(list(wait.heaters))
+        elif isinstance(wait, WaitForReading) and wait.heats:
+            wait_for([wait.name])
         else:
             rest(wait)
 

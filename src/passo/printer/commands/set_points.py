@@ -12,7 +12,7 @@ from passo.config.klipper_names import temperature_objects
 from passo.config.part_names import found_name
 from passo.errors import CommandError
 from passo.gcode.command import Command
-from passo.gcode.parameters import AT_ONCE, ignored, integer, number
+from passo.gcode.parameters import AT_ONCE, ignored, integer, number, text
 from passo.gcode.registry import Subject, When, command, in_program
 from passo.printer.commands.klipper_commands import heater_named
 from passo.printer.commands.material_presets import Presets
@@ -243,10 +243,17 @@ class SetPoints:
         for line in () if "S" in words else self.presets.lines():
             reply.say(line)
 
-    @in_program("TEMPERATURE_WAIT")
+    @command(
+        "TEMPERATURE_WAIT",
+        Subject.HEATERS,
+        When.EXCLUSIVE,
+        "Waits until the temperature of a heater or a sensor is within these limits. It does not"
+        " wait for a heater that stays below them.",
+        text("SENSOR", "the name of the heater or the sensor"),
+        number("MINIMUM", "the lowest temperature", "°C"),
+        number("MAXIMUM", "the highest temperature", "°C"),
+    )
     def _await(self, command: Command, _: Reply) -> Wait | None:
-        """Waits for the limits of a sensor, or for a heater to cool down to its maximum. Else waits
-        for the target of a heater, if it is within the limits: no other temperature lasts."""
         low, high = command.value("MINIMUM", -inf), command.value("MAXIMUM", inf)
         sensors = temperature_objects(self._machine)
         shown = found_name(sensors, command.string("SENSOR"))
@@ -258,7 +265,7 @@ class SetPoints:
             return WaitForReading(name, low, high)
         if target <= 0 or not low <= target <= high:
             return None
-        return WaitForTemperatures((name,), cooling=high < inf)
+        return WaitForReading(name, low, high, heats=True)
 
     @in_program("G10")
     def _tool_temperatures(self, command: Command, _: Reply) -> None:

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import inf
 
-from passo.board.faults import HeaterFault
 from passo.errors import CommandError
 from passo.gcode.command import Command
-from passo.gcode.parameters import TOOL, flag, number, text
+from passo.gcode.parameters import TOOL, flag, number
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.printer.cold_extrusion import ColdExtrusion
 from passo.printer.commands.heater_control import ControlCommands
-from passo.printer.commands.klipper_commands import heater_named
 from passo.printer.live_rig import LiveRig
-from passo.printer.wait_requests import Reply, Wait, WaitForTuning
+from passo.printer.wait_requests import Reply, Wait
 
 
 def _check_unit(command: Command, _: object) -> None:
@@ -74,28 +71,6 @@ class HeatCommands:
         it."""
         rig = self._rig
         return bool(rig.machine.extruders) and self.cold.warm(rig.connection.heaters, rig.job.tool)
-
-    @command(
-        "TEMPERATURE_WAIT",
-        Subject.HEATERS,
-        When.EXCLUSIVE,
-        "Waits until the temperature of a heater is within these limits.",
-        text("SENSOR", "the name of the heater"),
-        number("MINIMUM", "the lowest temperature", "°C"),
-        number("MAXIMUM", "the highest temperature", "°C"),
-    )
-    def _await(self, command: Command, _: Reply) -> Wait | None:
-        name = heater_named(self._rig.machine, command, "SENSOR")
-        heater = self._rig.connection.heaters[name]
-        low, high = command.value("MINIMUM", -inf), command.value("MAXIMUM", inf)
-
-        def finish() -> None:
-            if heater.fault is not None:
-                raise CommandError([HeaterFault.of(name, heater.fault).problem])
-
-        return WaitForTuning(
-            lambda: heater.fault is not None or low <= heater.celsius <= high, finish
-        )
 
     # -- faults -----------------------------------------------------------------------------------
 
