@@ -159,6 +159,13 @@ def test_tools_have_heaters_and_offsets(load) -> None:
     )
 
 
+def test_tool_keeps_its_fans_without_those_of_heaters(load) -> None:
+    more = 'M950 F2 C"fan2"\nM106 P2 S0\nM563 P0 D0 H1 F2:1\n'
+    _, machine = load(more=more)
+    assert machine.fans["fan1"].follows == "hotend"
+    assert [tool.fans for tool in machine.tools] == [["fan2"]]
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [

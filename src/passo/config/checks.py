@@ -32,6 +32,8 @@ _MAX_FURTHER_AXES = 4
 _STILL = "none"  # the kind of a geometry without X, Y and Z
 _PER_MM = ("steps_per_mm", "rotation_distance_mm")
 _LIMIT_KEYS = ("speed_{}_s", "accel_{}_s2", "min_{}", "max_{}")
+# Keys of fans that commands do not set.
+_LEADERS = {"follows", "follows_heaters", "follows_motors", "follows_targets", "thermostat"}
 
 
 def check_link(data: Raw) -> Iterator[Finding]:
@@ -179,8 +181,13 @@ def _check_scale(path: tuple[str, ...], stepper: Raw, turns: bool) -> Iterator[F
 
 
 def check_references(data: Raw) -> Iterator[Finding]:
-    """Checks that tools name existing extruders and heaters."""
+    """Checks that tools name existing extruders, heaters and fans."""
+    commanded = [name for name, fan in tables(data, "fans") if not _LEADERS & fan.keys()]
     for index, tool in enumerate(array(data, "tools")):
+        for i, fan in enumerate(array(table(tool), "fans")):
+            if isinstance(fan, str) and fan not in commanded:
+                limit, hint = "the name of a fan that M106 sets", did_you_mean(fan, commanded)
+                yield Finding("config.value", ("tools", index, "fans", i), fan, limit, hint)
         for key in ("extruder", "heater"):
             word, known = table(tool).get(key), table(data, f"{key}s")
             if isinstance(word, str) and word not in known:

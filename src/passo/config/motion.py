@@ -23,6 +23,7 @@ from passo.config.types import (
     Name,
     NotNegative,
     Pair,
+    PartName,
     Pin,
     Point,
     Position,
@@ -148,6 +149,11 @@ class Tool(Model):
     """X, Y and Z of this nozzle, relative to the nozzle of the first tool."""
     heater: str | None = None
     """The hotend of this tool."""
+    fans: Annotated[list[PartName], Field(max_length=8)] = []
+    """The fans that M106 and M107 without P set while this tool is active. A change of the tool
+    switches those of other tools off. If not given, the fan with number 0."""
+    fan_factor: Annotated[float, Field(ge=0, le=10)] = 1.0
+    """The speed of M106 without P is multiplied by this, up to full speed."""
 
 
 _PulseUs = Annotated[float, Field(ge=0, le=30)]  # the longest pulse of any board

@@ -91,7 +91,7 @@ class Stops:
         """Brakes to a stop on the path and discards all planned moves."""
         self._rig.queue.stop()
         self._rig.commands.outputs.plan_forgotten()
-        self._rig.commands.set_points.follow_tool()
+        self._rig.commands.follow_tool()
         self._outputs.lights.plan_forgotten()
         self._rig.commands.lights.plan_forgotten(self._outputs.lights.shown)
         self._outputs.targets.plan_forgotten()

@@ -29,7 +29,7 @@ class Suspension:
         self._offsets.suspend()
         self._tool = rig.job.tool
         self._stopped_mm = self.filament_mm()
-        rig.commands.set_points.follow_tool()
+        rig.commands.follow_tool()
 
     def take_tool(self) -> None:
         """Selects the tool of the suspended job again, if another one was selected in the
@@ -37,7 +37,7 @@ class Suspension:
         rig = self._rig
         rig.job.tools.use(self._tool)
         rig.job.bed.follow_tool()
-        rig.commands.set_points.tool_changed(self._tool)
+        rig.commands.tool_changed(self._tool)
 
     def resume(self) -> None:
         """Resumes the suspended job. The machine must be at its stop position again."""
@@ -47,7 +47,7 @@ class Suspension:
             self._offsets.resume()
         self._end()
         rig.job.stops.resume()
-        rig.commands.set_points.follow_tool()
+        rig.commands.follow_tool()
         rig.queue.after_moves()
         self._laser.end_blanking()
 

@@ -449,5 +449,7 @@ def _remark_on_the_rest(cfg: Cfg) -> None:
         cfg.left_out.append("moves: write them as macros")
     if len(machine.tools) > 1:
         cfg.left_out.append("tools: write macros T0, T1 with ACTIVATE_EXTRUDER and the offsets")
+    if any(tool.fans or tool.fan_factor != 1 for tool in machine.tools):
+        cfg.left_out.append("tools: write a macro M106 with the fans and the factor of each tool")
     if isinstance(machine.geometry, SkewableModel) and any(machine.geometry.skew):
         cfg.left_out.append("geometry.skew: send SET_SKEW, and save it")

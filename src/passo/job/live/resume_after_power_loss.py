@@ -85,7 +85,7 @@ class Recovery:
             control.dispatch.take_setting(f"T{state.tool}", NullReply())
         await self._approach(at)
         control.rig.job.adopt(state)
-        control.rig.commands.set_points.follow_tool()
+        control.rig.commands.follow_tool()
         control.rig.commands.set_points.take_tool_temperatures(past.commands.set_points)
         control.rig.commands.macros.take_variables(past.commands.macros)
         control.rig.job.limits.set_speed_factor(state.limits.speed_factor)

@@ -11,6 +11,7 @@ from passo.gcode.command import Command
 from passo.gcode.parameters import AT_ONCE, ignored, number
 from passo.gcode.registry import Subject, When, command, in_program
 from passo.printer.commands.ranges import beyond
+from passo.printer.commands.tool_fans import ToolFans
 
 if TYPE_CHECKING:
     from passo import _core
@@ -37,6 +38,7 @@ class Outputs:
             for name, pins in machine.further_pins.items()
         }
         self.fans: dict[str, float] = {}  # the last commanded speeds, 0 to 1
+        self._tool_fans = ToolFans(machine)
         # the last commanded values of the outputs that are not fixed, 0 to 1
         self.values = {n: o.start for n, o in machine.outputs.items() if not o.fixed}
         # the clock at which the planned value of each output takes effect
@@ -163,14 +165,25 @@ class Outputs:
         for fan in self.commanded_fans:
             self.set_fan(fan, 0.0)
 
+    def tool_changed(self, tool: int) -> None:
+        """Sets the fans of this tool to the speed of the program, and switches those of other tools
+        off."""
+        for fan, share in self._tool_fans.change(tool, self.fans).items():
+            self.set_fan(fan, self._power(fan, share))
+
+    def follow_tool(self) -> None:
+        """Call this when the active tool has changed without a command."""
+        self._tool_fans.tool = self._job.tool
+
     @command(
         "M106",
         Subject.OUTPUTS,
         When.PLANNED,
-        "Sets the speed of fan P, without S to full speed. F: at once. Settings without S (U I H L"
-        " X T, F with a number) have no effect: the machine file has them.",
+        "Sets the speed of fan P, without S to full speed; without P, of the fans of the tool, by"
+        " its factor. F: at once. Settings without S (U I H L X T, F with a number) have no effect:"
+        " the machine file has them.",
         number("S", "the speed", low=0, high=_FULL_FAN, clamped=True),
-        number("P", "the fan", default=0),
+        number("P", "the fan; without it, those of the tool"),
         AT_ONCE,
         ignored("U I H L X T C B"),
         forced=True,
@@ -192,8 +205,8 @@ class Outputs:
         "M107",
         Subject.OUTPUTS,
         When.PLANNED,
-        "Switches fan P off. F: at once.",
-        number("P", "the fan", default=0),
+        "Switches fan P off; without P, the fans of the tool. F: at once.",
+        number("P", "the fan; without it, those of the tool"),
         AT_ONCE,
         forced=True,
     )
@@ -215,9 +228,18 @@ class Outputs:
                 reply.note(f"{command.code} P{number:g}", text)
                 return
             raise CommandError.bad_value("P", number, limit)
-        fan = next((n for n in self.commanded_fans if fans[n].number == int(number or 0)), None)
-        if fan is not None and share is not None:
-            config = self._machine.fans[fan]
-            share = share if share >= config.off_below else 0.0
-            power = max(share * config.max_power, config.min_power if share > 0 else 0.0)
-            self.set_fan(fan, power, at_once=at_once)
+        if share is None:
+            return
+        if number is None:
+            shares = self._tool_fans.set_speed(share)
+        else:
+            named = (name for name in self.commanded_fans if fans[name].number == number)
+            shares = dict.fromkeys(named, share)
+        for fan, speed in shares.items():
+            self.set_fan(fan, self._power(fan, speed), at_once=at_once)
+
+    def _power(self, fan: str, share: float) -> float:
+        """The power of a fan at this fraction of its full speed."""
+        config = self._machine.fans[fan]
+        share = share if share >= config.off_below else 0.0
+        return max(share * config.max_power, config.min_power if share > 0 else 0.0)

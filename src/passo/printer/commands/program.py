@@ -167,7 +167,7 @@ class Commands:
             if command.minor:
                 self.omitted.count(SkippedCommand.TOOL, f"T{command.number}", command.line)
             else:
-                self.set_points.tool_changed(command.number)
+                self.tool_changed(command.number)
             # Moves of another tool may be planned again, so the correction of the bed waits for
             # them.
             return WaitForMoves(self._job.bed.follow_tool) if self._job.bed.is_apart else None
@@ -201,6 +201,17 @@ class Commands:
             self.omitted.count(SkippedCommand.USER, code, command.line)
             return WaitForUser(row.text)
         return None
+
+    def tool_changed(self, tool: int) -> None:
+        """Sets the temperatures and the fans for a change to this tool."""
+        self.set_points.tool_changed(tool)
+        self.outputs.tool_changed(tool)
+
+    def follow_tool(self) -> None:
+        """Call this when the active tool has changed without a command, because a program was
+        suspended, stopped or resumed."""
+        self.set_points.follow_tool()
+        self.outputs.follow_tool()
 
     def settled(self, wait: Wait) -> None:
         """Call this when a wait of a program without consoles has ended. Raises CommandError."""

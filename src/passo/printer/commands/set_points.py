@@ -288,8 +288,7 @@ class SetPoints:
         self._tool_c |= other._tool_c
 
     def follow_tool(self) -> None:
-        """Call this when the active tool has changed without a command, because a program was
-        suspended, stopped or resumed."""
+        """Call this when the active tool has changed without a command."""
         self._tool = self._job.tool
 
     def tool_changed(self, tool: int) -> None:

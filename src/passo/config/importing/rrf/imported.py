@@ -271,7 +271,7 @@ class _Conversion:
         self._put("levelling")
 
     def _put_tools(self) -> None:
-        """Makes a tool for each M563, if there are several."""
+        """Makes a tool for each M563, if there are several, or if one has other fans than fan 0."""
         source, tools = self._source, list[Any]()
         for number in source.named("M563", "P"):
             drive = int(source.number(f"M563/P{number}/D", number))
@@ -281,9 +281,23 @@ class _Conversion:
                 tools.append(
                     {"extruder": f"e{drive or ''}", "offset_mm": [*offset]}
                     | ({"heater": heater} if heater else {})
+                    | ({"fans": fans} if (fans := self._fans_of(number)) else {})
                 )
-        if len(tools) > 1:
+        if len(tools) > 1 or any("fans" in tool for tool in tools):
             self._draft.put(("tools",), tools, source.at("M563/P0/D"))
+
+    def _fans_of(self, tool: int) -> list[str]:
+        """The fans of a tool, unless it is fan 0 alone, which is what a tool has anyway. A fan that
+        follows a heater is not one of them."""
+        numbers = [int(number) for number in self._source.numbers(f"M563/P{tool}/F")]
+        names = ["part" if number == 0 else f"fan{number}" for number in numbers]
+        keys = self._draft.keys
+        fans = [
+            name
+            for name in names
+            if ("fans", name, "pin") in keys and ("fans", name, "follows") not in keys
+        ]
+        return [] if fans == ["part"] else fans
 
     def _remark(self) -> None:
         """Reports the commands that have no key, and lines that are not commands."""
