@@ -180,6 +180,28 @@ def test_stall_homing_has_threshold_current_and_speed(load) -> None:
     assert not [r for r in draft.remarks if "STALL" in r.what]
 
 
+RUNOUT = "#define FILAMENT_RUNOUT_SENSOR\n#define FIL_RUNOUT_STATE {}\n#define FIL_RUNOUT_PULLUP\n"
+
+
+def test_runout_switch_pauses_prints(load) -> None:
+    more = RUNOUT.format("HIGH") + "#define FIL_RUNOUT_PIN 57\n"
+    more += "#define FILAMENT_RUNOUT_DISTANCE_MM 25\n#define FIL_RUNOUT_ENABLED_DEFAULT false\n"
+    draft, machine = load(more=more)
+    sensor = machine.filament_sensors["runout"]
+    assert (sensor.kind, sensor.delay_mm, sensor.enabled) == ("switch", 25, False)
+    assert sensor.pin.startswith("!^")
+    assert not [r for r in draft.remarks if "RUNOUT" in r.what]
+    _, machine = load(more=f"{more}#define FILAMENT_MOTION_SENSOR\n".replace("HIGH", "LOW"))
+    sensor = machine.filament_sensors["runout"]
+    assert (sensor.kind, sensor.length_mm, sensor.pin[0]) == ("motion", 25, "^")
+
+
+def test_runout_switch_without_a_pin_is_for_the_owner(load) -> None:
+    draft, machine = load(more=RUNOUT.format("LOW"))
+    assert machine.filament_sensors == {}
+    assert "[filament_sensors.runout] pin" in "".join(remarks(draft, "decide"))
+
+
 def test_homing_that_passo_does_not_have_is_reported(load) -> None:
     more = "#define SENSORLESS_HOMING\n#define Y_STALL_SENSITIVITY 8\n"
     more += "#define Z_SAFE_HOMING\n#define Z_HOMING_HEIGHT 4\n"
@@ -865,7 +887,7 @@ def test_every_define_of_the_reference_is_read(load, monkeypatch: pytest.MonkeyP
         BACKLASH_COMPENSATION
         MESH_BED_LEVELING SKEW_CORRECTION NOZZLE_PARK_FEATURE LIN_ADVANCE PSU_CONTROL FT_MOTION
         FTM_IS_DEFAULT_MOTION STEALTHCHOP_XY Z_STEPPER_AUTO_ALIGN ADVANCED_PAUSE_FEATURE
-        SENSORLESS_HOMING"""
+        SENSORLESS_HOMING FILAMENT_RUNOUT_SENSOR"""
     values = {
         "Z_STEPPER_ALIGN_XY": "{ { 10, 10 }, { 150, 10 } }",
         "NOZZLE_PARK_POINT": "{ 10, 10, 5 }",
@@ -874,6 +896,7 @@ def test_every_define_of_the_reference_is_read(load, monkeypatch: pytest.MonkeyP
         "SHAPING_FREQ_X": 40,
         "TRAMMING_POINT_XY": "{ { 50, 50 }, { 150, 50 } }",
         "CONTROLLER_FAN_PIN": 17,
+        "FIL_RUNOUT_PIN": 57,
         "X_CURRENT": 500,
         "X_STALL_SENSITIVITY": 70,
         "X_SERIAL_RX_PIN": 63,

@@ -31,6 +31,7 @@ def put_features(job: Job) -> None:
         ("LASER_FEATURE", _put_laser),
         ("INPUT_SHAPING_X", _put_shapers),
         ("BACKLASH_COMPENSATION", _put_backlash),
+        ("FILAMENT_RUNOUT_SENSOR", _put_runout),
         ("PREHEAT_1_TEMP_HOTEND", _put_presets),
     ):
         job.part(name, partial(convert, job))
@@ -55,6 +56,36 @@ def _put_presets(job: Job) -> None:
         if names:
             text = f"a preset is not in the machine file: M145 S{preset - 1}"
             job.decide(names[0], f"{text} {' '.join(values.values())} sets it, and M500 stores it")
+
+
+def _put_runout(job: Job) -> None:
+    """Converts the switches of the filament, or the sensors of its motion. A switch is at the given
+    level while there is no filament."""
+    defines, name = job.defines, "FILAMENT_RUNOUT_SENSOR"
+    if not defines.on(name):
+        return
+    count = defines.number("NUM_RUNOUT_SENSORS")
+    sensors = int(count.value) if count else 1
+    for number in range(1, sensors + 1):
+        names = [f"FIL_RUNOUT{number}_PIN", *(["FIL_RUNOUT_PIN"] if number == 1 else [])]
+        pin = job.pins.given(*names)
+        part = "runout" if number == 1 else f"runout{number}"
+        path = ("filament_sensors", part)
+        if pin is None:
+            text = f"the pin of the sensor is not in the file: [filament_sensors.{part}] pin"
+            job.decide(name, text)
+            continue
+        inverted = defines.text(f"FIL_RUNOUT{number}_STATE", "FIL_RUNOUT_STATE") == "HIGH"
+        pulled = defines.on(f"FIL_RUNOUT{number}_PULLUP", "FIL_RUNOUT_PULLUP")
+        mark = f"{'!' if inverted else ''}{'^' if pulled else ''}"
+        job.draft.put((*path, "pin"), f"{mark}{pin}", job.place(*names))
+        if sensors > 1:
+            job.draft.put((*path, "extruder"), "e" if number == 1 else f"e{number - 1}", None)
+        moves = defines.on("FILAMENT_MOTION_SENSOR")
+        job.draft.put((*path, "kind"), "motion" if moves else "switch", None)
+        length = defines.number("FILAMENT_RUNOUT_DISTANCE_MM")
+        job.put((*path, "length_mm" if moves else "delay_mm"), length)
+        job.rows("runout", name=part)
 
 
 def _put_backlash(job: Job) -> None:
