@@ -66,6 +66,12 @@ class Geometry {
   virtual void follow(int i, const Track& track, Followed& out) const;
   // Whether the straight line between two points would make an arm turn back by a full turn.
   virtual bool jumps(const double[3], const double[3]) const { return false; }
+  // Whether a line passes a place where an actuator would have to turn at once, although its ends
+  // do not. Then `via` is a point beside that place, at `share` of the line, through which two
+  // lines lead round it.
+  virtual bool leads_round(const double[3], const double[3], double[3], double&) const {
+    return false;
+  }
   // The shortest distance in mm on which the slopes may change completely, within `around` mm of p.
   // It is small where an actuator turns fast.
   virtual double grain(const double[3], double) const {

@@ -51,6 +51,20 @@ class Polar : public Geometry {
       turns(path, per_unit, out);
   }
   double grain(const double p[3], double around) const override { return arm_.grain(p, around); }
+  // The way round the middle is on the side of the line, so that the bed turns as it would.
+  bool leads_round(const double from[3], const double to[3], double via[3],
+                   double& share) const override {
+    const double dx = to[0] - from[0], dy = to[1] - from[1], mm2 = dx * dx + dy * dy;
+    share = -(from[0] * dx + from[1] * dy) / mm2;
+    if (!(share > 0 && share < 1)) return false;
+    const double x = from[0] + share * dx, y = from[1] + share * dy, off = std::sqrt(x * x + y * y);
+    if (off >= arm_.near) return false;
+    const double mm = std::sqrt(mm2), away = 2 * arm_.near, tiny = 1e-9;
+    via[0] = off > tiny ? x / off * away : -dy / mm * away;
+    via[1] = off > tiny ? y / off * away : dx / mm * away;
+    via[2] = from[2] + share * (to[2] - from[2]);
+    return true;
+  }
 
  private:
   static constexpr int kBed = 0, kArm = 1, kLift = 2;

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
+
+#include "plan/extrusion_flow.hpp"
 
 namespace passo {
 
@@ -30,6 +33,11 @@ Job::Status Job::advance(double horizon, size_t most, bool to_boundary) {
     while (batch_.size() < Planner::kBatch && (found = interpreter.next()) == ParseResult::move) {
       batch_.push_back(interpreter.move());
       if (bounded) left -= read_end_.least_s(batch_.back()) * motion.machine().clock_hz;
+      if (const auto first = lead_round(batch_.back())) {
+        const MoveRequest rest = std::exchange(batch_.back(), *first);
+        if (!(admitted = admit(batch_.back()))) break;
+        batch_.push_back(rest);
+      }
       if (!(admitted = admit(batch_.back())) || may_be_slow_ || left <= 0) break;
       if (to_boundary && interpreter.at_boundary()) break;
     }
@@ -124,12 +132,15 @@ bool Job::move_to(const double* target, double feed_mm_s, Within within) {
   m.unscaled = true;  // homing and parking ignore M220
   read_end_.take_plan_end();
   if (read_end_.too_long(m, error_)) return false;
+  const std::optional<MoveRequest> first = lead_round(m);
+  const double* start = first ? first->target : read_end_.position();
   if ((within == Within::limits && !reach_.in_range(m)) ||
-      (within != Within::anything && !reach_.reaches(m, read_end_.position()))) {
+      (within != Within::anything &&
+       ((first && !reach_.reaches(*first, read_end_.position())) || !reach_.reaches(m, start)))) {
     error_ = reach_.error();
     return false;
   }
-  if (!push(m)) return false;
+  if ((first && !push(*first)) || !push(m)) return false;
   abandon();
   return true;
 }
@@ -244,6 +255,27 @@ void Job::use_stopped() {
   if (!tool) return;
   interpreter.take_tool(*tool);
   interpreter.forget_offset();
+}
+
+std::optional<MoveRequest> Job::lead_round(MoveRequest& m) const {
+  const bool travels = m.kind != MoveKind::dwell && m.kind != MoveKind::extrude;
+  const double* from = read_end_.position();
+  double via[3], share;
+  if (!travels || m.radius_mm < kInfinity || motion.machine().joints ||
+      !motion.machine().geometry->leads_round(from, m.target, via, share))
+    return std::nullopt;
+  MoveRequest first = m;
+  const double pushed = read_end_.filament_mm(m);
+  for (int j = 0; j < kAxes; ++j) first.target[j] = from[j] + share * (m.target[j] - from[j]);
+  std::copy_n(via, 3, first.target);
+  first.target[kE] = m.target[kE] - (1 - share) * pushed;
+  first.hop_mm = 0;
+  for (double MoveRequest::* part : {&MoveRequest::duration_s, &MoveRequest::energy_ws}) {
+    first.*part *= share;
+    m.*part *= 1 - share;
+  }
+  if (m.flow > 0) m.owed_mm = owed_after(m.owed_mm, share * pushed);
+  return first;
 }
 
 inline bool Job::admit(MoveRequest& m) {

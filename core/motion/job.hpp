@@ -124,6 +124,9 @@ class Job {
 
   // Checks the last move of the batch. If it breaks a limit, removes it, sets error() and returns
   // false. With `clamp`, removes it and returns true.
+  // Where a line passes a place at which a motor would have to turn at once: the first of two lines
+  // that lead round it; `m` becomes the second one.
+  std::optional<MoveRequest> lead_round(MoveRequest& m) const;
   bool admit(MoveRequest& m);
   // Leaves out a move: the next move does not extrude its filament.
   void leave_out(const MoveRequest& m);

@@ -129,6 +129,32 @@ def test_polar_machine_homes_and_keeps_the_turns_of_its_bed(tmp_path: Path) -> N
         assert s.host.ok("M114")[0].startswith("X:150.000 Y:0.000 Z:5.000")
 
 
+def test_polar_line_through_the_middle_is_led_round_it(tmp_path: Path) -> None:
+    extruder = NONE[NONE.index("[extruder]") : NONE.index("[output_pin")]
+    extruder = extruder.replace("PA", "PD").replace("PB", "PE")
+    _, machine = load(tmp_path, f"{POLAR}{extruder}")
+    with Scenario(machine) as s:
+        s.host.ok("G28", 120)
+        s.host.ok("M302 P1")
+        s.host.ok("M83")
+        for feed in (9000, 60):
+            s.host.ok("G1 X-8 Y4 Z5 F9000", 60)
+            s.host.ok("M400", 60)
+            before, start_s = s.positions(), s.printer.status.read().time_s
+            assert s.host.ok(f"G1 X8 Y-4 E2 F{feed}", 120) == ["ok"]
+            s.host.ok("M400", 120)
+            after, took_s = s.positions(), s.printer.status.read().time_s - start_s
+            assert abs(after["a"] - before["a"]) == pytest.approx(180, abs=0.03)
+            assert after["b"] == pytest.approx(before["b"], abs=0.02)
+            assert after["e"] - before["e"] == pytest.approx(2.0, abs=0.02)
+            assert took_s > 3.1416 / 5  # half a turn at 5 rad/s
+            s.host.ok("G1 X-8 Y-20 F9000", 60)
+        for line in ("G1 X0 Y0", "G1 X0.01 Y-0.01 E1"):
+            assert "mm from the middle of the bed" in s.host.ok(line)[0]
+        s.host.ok("G1 X-10 Y0 F9000", 60)
+        assert "mm from the middle of the bed" in s.host.ok("G2 X-10 Y0 I5 J0")[0]
+
+
 def test_polar_bed_with_an_endstop_homes_its_angle(tmp_path: Path) -> None:
     draft, _ = load(tmp_path, POLAR)
     draft.put(("homing", "a", "direction"), "min", None)

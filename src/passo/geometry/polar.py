@@ -22,9 +22,10 @@ class Polar(GeometryModel):
     free = ("a",)
     kind: Literal["polar"]
     """A bed that turns, and an arm."""
-    centre: Annotated[float, Field(ge=0.01, le=10)] = 0.05
-    """How near to X 0, Y 0 the nozzle may come, in mm. The nearer a line passes, the more slowly it
-    moves, because the bed has to turn half round."""
+    centre: Annotated[float, Field(ge=0.01, le=10)] = 0.02
+    """How near to X 0, Y 0 the nozzle may come, in mm. A line that passes nearer is led round the
+    middle at twice this distance, slowly, because the bed has to turn half round. No line may end
+    nearer, and no arc may pass nearer."""
 
     def reason(self, point: Point) -> str:
         """The distance from the middle of the bed, if that is too short."""

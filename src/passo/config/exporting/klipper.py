@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from passo.config.calibration import Screws
     from passo.config.machine import MachineConfig
 
+# Kinematics of Klipper that are not exported.
+_OWN_KINDS = ("rotary_delta", "polar", "winch", "none")
 # The motor of Passo: Klipper's letter of its stepper.
 _STEPPERS = {
     "cartesian": {"x": "x", "y": "y", "z": "z"},
@@ -58,7 +60,7 @@ def sections_of(machine: MachineConfig) -> dict[str, dict[str, str]]:
         cfg = _converted(machine, "cartesian")
         for letter in "xyz":
             cfg.put(f"stepper_{letter}", position_endstop=machine.home_mm[letter])
-        if kind == "rotary_delta":  # macros park in the middle of a round bed
+        if kind in _OWN_KINDS:  # macros park in the middle of a round bed
             cfg.put("printer", kinematics=kind)
     if machine.probe is not None:
         _put_mesh(cfg)
