@@ -206,6 +206,19 @@ def test_equal_cases_are_computed_once(tmp_path):
     assert len((tmp_path / "out/results.csv").read_text().splitlines()) == 3
 
 
+def test_folder_of_a_running_study_is_refused(tmp_path):
+    codes = []
+
+    def start_again(progress, rows):
+        if not rows:
+            with pytest.raises(InputError) as raised:
+                run(tmp_path, "out", Inline())
+            codes.append(raised.value.problems[0].code)
+
+    run(tmp_path, "out", Inline(), start_again)
+    assert codes == ["study.busy"]
+
+
 def test_folder_of_other_results_is_refused(tmp_path):
     (tmp_path / "out").mkdir()
     (tmp_path / "out/results.jsonl").write_text('{"name": "bracket"}\n')

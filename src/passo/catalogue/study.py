@@ -18,6 +18,9 @@ STUDY: Mapping[str, Entry] = {
         "the file has changed since the study began",
         "Start the study again; it computes only what has changed",
     ),
+    "study.busy": bad_input(
+        "file", "another study is writing it", "Wait for its end, or choose another folder"
+    ),
     "study.other-rows": bad_input(
         "file",
         "line {value} is not a row of a study",

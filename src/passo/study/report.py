@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from math import inf, isinf
 from pathlib import Path
@@ -15,7 +15,7 @@ from passo.job.batch.quality_watch import Quality
 from passo.job.durable_files import replaced
 from passo.learn.labels import duration
 from passo.learn.page import page
-from passo.study.table import CSV
+from passo.study.table import CSV, SET
 
 PAGE = "report.html"
 _MAX_PICTURES = 50  # files with pictures on the page
@@ -32,7 +32,7 @@ class Row:
     better in one figure and at least as good in the others."""
 
     machine: str
-    setting: str
+    setting: Mapping[str, str]
     time_s: float
     ringing_um: float | None
     width_error: float | None
@@ -42,7 +42,8 @@ class Row:
     @property
     def name(self) -> str:
         """The machine and the setting."""
-        return f"{self.machine}: {self.setting}" if self.setting else self.machine
+        values = ", ".join(f"{key} = {value}" for key, value in self.setting.items())
+        return f"{self.machine}: {values}" if values else self.machine
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +92,7 @@ def _compared(file: str, rows: list[Cells]) -> FileRows:
     found = [
         Row(
             row["machine"],
-            ", ".join(_setting(row)),
+            _setting(row),
             time_s,
             _ringing_um(trials[i]) if measured else None,
             trials[i].quality.width_error if measured else None,
@@ -107,10 +108,12 @@ def _beats(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
     return one != other and all(a <= b for a, b in zip(one, other, strict=True))
 
 
-def _setting(row: Cells) -> Iterator[str]:
-    for name, value in row.items():
-        if name.startswith("set ") and value:
-            yield f"{name.removeprefix('set ')} = {value}"
+def _setting(row: Cells) -> dict[str, str]:
+    return {
+        name.removeprefix(SET): value
+        for name, value in row.items()
+        if name.startswith(SET) and value
+    }
 
 
 def _trial(row: Cells) -> Trial:
@@ -154,6 +157,8 @@ def _file_data(found: FileRows) -> dict[str, object]:
         "rows": [
             {
                 "name": row.name,
+                "machine": row.machine,
+                "setting": row.setting,
                 "time_s": row.time_s,
                 "time": duration(row.time_s),
                 "ringing_um": row.ringing_um,

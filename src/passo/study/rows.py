@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, BinaryIO, Self
 
 from passo.errors import InputError
 
@@ -29,6 +30,7 @@ class Rows:
             folder.mkdir(parents=True, exist_ok=True)
             with ExitStack() as stack:
                 self._file = stack.enter_context(self.path.open("a+b"))
+                _lock(self._file, self.path)
                 self.known = dict(self._read())
                 self._close = stack.pop_all().close
         except OSError as error:
@@ -67,6 +69,14 @@ class Rows:
     ) -> None:
         """Closes the file."""
         self._close()
+
+
+def _lock(file: BinaryIO, path: Path) -> None:
+    """Keeps other studies away from the file until it is closed."""
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise InputError.of("study.busy", str(path)) from None
 
 
 def row_of(case: Case, result: Result) -> dict[str, Any]:

@@ -17,6 +17,7 @@ from passo.errors import InputError
 from passo.job.durable_files import replaced
 
 CSV, PARQUET = "results.csv", "results.parquet"
+SET = "set "  # the beginning of the columns of a setting
 _FIRST = ("id", "file", "machine")
 _LAST = ("code", "line", "message", "warnings")
 
@@ -28,7 +29,7 @@ def flat(row: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
         if isinstance(value, dict) and f"{prefix}{name}" != "setting":
             columns |= flat(cast("dict[str, Any]", value), f"{prefix}{name}.")
         elif isinstance(value, dict):
-            columns |= {f"set {key}": v for key, v in cast("dict[str, Any]", value).items()}
+            columns |= {f"{SET}{key}": v for key, v in cast("dict[str, Any]", value).items()}
         elif name == "warnings":
             columns[name] = " ".join(cast("list[str]", value))
         else:
@@ -41,7 +42,7 @@ def table_of(rows: Iterable[Mapping[str, Any]]) -> tuple[list[str], list[dict[st
     those of the case."""
     lines = [flat(row) for row in rows]
     names = list(dict.fromkeys(name for line in lines for name in line))
-    settings = [name for name in names if name.startswith("set ")]
+    settings = [name for name in names if name.startswith(SET)]
     ends = [name for name in _LAST if name in names]
     first = [*_FIRST, *settings, "status"]
     return [*first, *(n for n in names if n not in (*first, *ends)), *ends], lines

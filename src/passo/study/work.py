@@ -10,7 +10,7 @@ from functools import lru_cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from passo.errors import MachineError, Problem, in_words
+from passo.errors import ExitStatus, MachineError, Problem, in_words
 from passo.job.batch.source import open_source
 from passo.study.case import Content, Order, Work, unchanged
 
@@ -71,8 +71,8 @@ def result_of(file: Content, machine: MachineConfig, order: Order) -> Result:
         return failure("memory", Problem("study.memory"))
     except Exception as error:
         problem = in_words(error).problems[0]
-        status = problem.code.partition(".")[0]
-        return failure(status if status == "input" else "failed", problem)
+        of_file = problem.entry.status is ExitStatus.BAD_INPUT
+        return failure("input" if of_file else "failed", problem)
 
 
 def failure(status: str, problem: Problem) -> Result:

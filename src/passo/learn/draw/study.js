@@ -7,17 +7,19 @@ import { scatter } from "./scatter.js";
 const note = (text) => html("p", { class: "note" }, text);
 const percent = (share) => `${(100 * share).toFixed(1)} %`;
 
-/** The rows of the front in a table. */
-function front(rows) {
+/** The rows of the front in a table, with a column for each key that a row sets. */
+function front(file, rows) {
   const measured = rows.some((row) => row.ringing_um !== null);
-  const names = measured ? ["Setting", "Time", "Ringing", "Width error"] : ["Setting", "Time"];
-  const lines = rows.filter((row) => row.front).map((row) => {
+  const keys = [...new Set(rows.flatMap((row) => Object.keys(row.setting)))];
+  const names = ["Machine", ...keys, "Time", ...(measured ? ["Ringing", "Width error"] : [])];
+  const lines = rows.filter((row) => row.front || row.best).map((row) => {
     const figures = measured ? [`${row.ringing_um.toFixed(1)} µm`, percent(row.width_error)] : [];
-    const cells = [row.time, ...figures].map((text) => html("td", {}, text));
-    return html("tr", row.best ? { class: "best" } : {}, html("th", { scope: "row" }, row.name), ...cells);
+    const cells = [...keys.map((key) => row.setting[key] ?? ""), row.time, ...figures].map((text) => html("td", {}, text));
+    return html("tr", row.best ? { class: "best" } : {}, html("th", { scope: "row" }, row.machine), ...cells);
   });
   const heads = names.map((name) => html("th", { scope: "col" }, name));
-  return html("table", {}, html("thead", {}, html("tr", {}, ...heads)), html("tbody", {}, ...lines));
+  const made = html("table", {}, html("thead", {}, html("tr", {}, ...heads)), html("tbody", {}, ...lines));
+  return html("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": `Rows of ${file}` }, made);
 }
 
 /** All rows as points: time against one figure. */
@@ -34,8 +36,8 @@ function picture(file, rows, title, figure) {
 
 for (const { file, rows, failed, best } of data.files) {
   const failures = Object.entries(failed).map(([status, number]) => `${number} ${status}`);
-  const texts = [`${rows.length} rows`, ...failures, "the table has the rows that no other row beats; the marked one has the best balance"];
-  main.append(section("trials wide", file, best === null ? note("No row was computed.") : front(rows), note(`${texts.join(", ")}.`)));
+  const texts = [`${rows.length} rows`, ...failures, "the table has the rows that no other row beats in these figures, and the marked one, which has the best score of all figures"];
+  main.append(section("trials wide", file, best === null ? note("No row was computed.") : front(file, rows), note(`${texts.join(", ")}.`)));
   if (rows.length > 1 && rows[0].ringing_um !== null) {
     main.append(picture(file, rows, "Ringing in µm", (row) => row.ringing_um));
     main.append(picture(file, rows, "Width error in %", (row) => 100 * row.width_error));
