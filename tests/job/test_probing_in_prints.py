@@ -3,6 +3,7 @@
 import asyncio
 
 import pytest
+from tests.support.eddy_machine import eddy_text
 
 from passo.config.load import load_text, shipped_text
 from passo.errors import InputError
@@ -67,6 +68,15 @@ def test_first_layer_follows_the_bed_that_the_file_measures(printed, start, limi
     assert spread(result) <= limit
     assert result.warnings == result.errors == []
     assert result.stream_hash == printed([*start, *PRINTED]).stream_hash
+
+
+@pytest.mark.parametrize("homes_z", [True, False])
+def test_eddy_probe_scans_the_bed_before_its_calibration(printed, homes_z):
+    # A print without boards uses the calibration of the simulated coil.
+    of = load_text(eddy_text("", homes_z=homes_z))
+    result = printed(["G28", "BED_MESH_CALIBRATE METHOD=rapid_scan", *PRINTED], of)
+    assert spread(result) <= 0.01
+    assert result.errors == []
 
 
 @pytest.mark.parametrize("start", [["G28"], ["G28", "G29", "M420 S0"], ["G28", "G29", "M561"]])

@@ -19,6 +19,7 @@ from passo.motion.axis_slots import X, Y, Z
 from passo.motion.travel import go_back
 from passo.printer.print_objects import covered, objects_of
 from passo.printer.printer import Printer
+from passo.printer.setup.simulated_world import with_calibrated_probe
 from passo.printer.wait_requests import NullReply, Stopped, Wait, WaitForMoves
 from passo.probes.base import SensingProbe
 
@@ -70,7 +71,7 @@ class BedProbing:
     def __init__(
         self, machine: MachineConfig, job: _core.Job, placed: Callable[[Mapping[str, float]], None]
     ) -> None:
-        self._machine = config.on_simulated_boards(machine)
+        self._machine = with_calibrated_probe(config.on_simulated_boards(machine))
         self._job, self._placed = job, placed
         self._printer: Printer | None = None
         self._loop: VirtualLoop | None = None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from math import inf
+from math import exp, inf
 from typing import TYPE_CHECKING
 
 from passo import _core
@@ -26,7 +26,7 @@ from passo.motion.endstops import (
 )
 from passo.printer.setup.board_inputs import width_share
 from passo.probes.base import SensingProbe
-from passo.probes.eddy import EddyProbe
+from passo.probes.eddy import EddyPoint, EddyProbe
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -45,6 +45,11 @@ if TYPE_CHECKING:
 
 _AWAY = 20.0  # mm or degrees
 _ASKEW = 0.5
+# The frequency of a usual coil falls by 31 kHz in the first millimetre.
+_USUAL_COIL = [
+    EddyPoint(mm=round(0.1 * i, 1), hz=round(3_218_000 + 68_000 * exp(-0.1 * i / 2.2), 3))
+    for i in range(81)
+]
 _EDGES = 4  # edges of a simulated motion sensor in its `length_mm`
 
 
@@ -265,9 +270,19 @@ def _bed_probe(machine: MachineConfig) -> BedProbe | None:
     )
 
 
+def with_calibrated_probe(machine: MachineConfig) -> MachineConfig:
+    """The same machine; an eddy current probe without a calibration has that of its simulated
+    coil."""
+    probe = machine.probe
+    if not isinstance(probe, EddyProbe) or probe.calibration:
+        return machine
+    calibrated = probe.model_copy(update={"calibration": _USUAL_COIL})
+    return machine.model_copy(update={"probe": calibrated})
+
+
 def _coil_curve(probe: SensingProbe) -> tuple[tuple[float, float], ...]:
-    """The simulated coil is as the machine file calibrates it."""
-    points = probe.calibration if isinstance(probe, EddyProbe) else []
+    """The simulated coil is as the machine file calibrates it, or a usual one."""
+    points = (probe.calibration or _USUAL_COIL) if isinstance(probe, EddyProbe) else []
     return tuple(sorted((point.mm, point.hz) for point in points))
 
 
