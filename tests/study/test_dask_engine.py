@@ -56,6 +56,20 @@ def test_killed_worker_costs_no_row(tmp_path, cluster, engine):
     assert len(struck) == 1
 
 
+def test_shard_whose_workers_are_gone_is_sent_again(tmp_path, engine):
+    plan = plan_study(study(tmp_path), tmp_path)
+    works = [case.work for case in plan.cases if case.work is not None]
+    (shard, *_) = plan.shards(works, engine)
+    there, engine._threads = engine._threads, {"tcp://127.0.0.1:1": 1}
+    engine.submit(shard)
+    engine._threads = there
+    done = []
+    while engine.busy:
+        done += engine.completed()
+    engine.close()
+    assert [len(each.results) for each in done] == [len(shard.works)]
+
+
 def test_file_that_workers_lack_is_sent(tmp_path, cluster):
     plan = plan_study(study(tmp_path), tmp_path)
     expected = run_study(plan, Inline(), tmp_path / "inline")

@@ -157,6 +157,12 @@ def test_other_file_as_a_cache_is_refused(folder, capsys):
     assert "cannot be used as a cache" in capsys.readouterr().err
 
 
+def test_wrong_option_of_a_call_is_an_error(folder):
+    with pytest.raises(passo.ConfigError) as raised:
+        passo.batch(["a.gcode"], options={"unknown": "hide"}, jobs=0)
+    assert "options.unknown is 'hide'" in str(raised.value)
+
+
 def test_prints_and_measurements_are_rows(folder):
     (printed,) = passo.batch(["a.gcode"], ["i3"], what="print", jobs=0)
     assert printed["steps"]["x"] == 80 * (20 + 60)

@@ -8,11 +8,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
+from passo.config.origins import Origins
 from passo.study.cache import Cache
 from passo.study.local_engine import MEMORY_MB, TIMEOUT_S, LocalEngine
 from passo.study.plan import plan_study
 from passo.study.run import Watch, run_study
-from passo.study.study_file import Options, Study
+from passo.study.study_file import study_of
 
 if TYPE_CHECKING:
     from passo.study.engine import Engine
@@ -46,13 +47,14 @@ def batch(
     `dask://host:8786`. With `jobs=0` it computes in this process, without limits of time and
     memory. Raises ConfigError, InputError and MachineError.
     """
-    study = Study(
-        files=[os.fspath(file) for file in files],
-        machines=[os.fspath(machine) for machine in machines],
-        settings=[dict(setting) for setting in settings],
-        what=what,
-        options=Options.model_validate(dict(options or {})),
-    )
+    data = {
+        "files": [os.fspath(file) for file in files],
+        "machines": [os.fspath(machine) for machine in machines],
+        "settings": [dict(setting) for setting in settings],
+        "what": what,
+        "options": dict(options or {}),
+    }
+    study = study_of(data, Origins("passo.batch", ""))
     plan = plan_study(study, Path.cwd())
     engine = engine_of(on, os.cpu_count() or 1 if jobs is None else jobs, timeout_s, memory_mb)
     shared = None if cache is None else Cache(Path(cache))

@@ -15,6 +15,7 @@ from __future__ import annotations
 import logging
 from collections import deque
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from importlib import import_module
 from importlib.util import find_spec
@@ -40,6 +41,7 @@ class _Sent:
     shard: Shard
     alone: bool
     contents: Mapping[str, Any] = field(default_factory=dict[str, Any])  # futures of bytes
+    workers: frozenset[str] = frozenset()  # the addresses of those that may compute it
 
 
 class DaskEngine:
@@ -110,8 +112,13 @@ class DaskEngine:
         MachineError if the cluster has ended."""
         distributed: Any = import_module("distributed")
         self._check_workers()
+        self._take_back()
         while self._waiting and len(self._sent) < _AHEAD * self.workers:
             self._submit(self._waiting.popleft())
+        if not self._sent:  # all workers have gone
+            with suppress(TimeoutError):
+                self._client.wait_for_workers(len(self._refused) + 1, timeout=_LOOK_S)
+            return []
         try:
             with self._client.as_current():
                 ended: Any = distributed.wait(
@@ -140,6 +147,7 @@ class DaskEngine:
             workers=list(self._threads),
             pure=False,
         )
+        sent.workers = frozenset(self._threads)
         self._sent[future] = sent
 
     def _take(self, future: Any, sent: _Sent) -> list[Done]:
@@ -201,6 +209,15 @@ class DaskEngine:
             _log.warning("worker %s is not used: %s", at, reason)
             self._refused[at] = reason
         self._threads |= {at: present[at]["nthreads"] for at in found if at not in self._refused}
+
+    def _take_back(self) -> None:
+        """Sends shards again whose workers have all gone: a worker that starts again has another
+        address."""
+        for future, sent in list(self._sent.items()):
+            if sent.workers.isdisjoint(self._threads):
+                self._client.cancel([future])
+                del self._sent[future]
+                self._waiting.append(sent)
 
     def _failed(self, reason: str) -> MachineError:
         return MachineError.of("study.cluster", value=self._client.scheduler.address, limit=reason)

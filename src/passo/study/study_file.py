@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal, Self
 
@@ -106,9 +107,12 @@ class Study(Model):
 def load_study(path: str | os.PathLike[str]) -> Study:
     """The study of a file. Raises ConfigError with every problem, each with its line."""
     text, name = machine_file_text(Path(path)), os.fspath(path)
-    data = parsed(text, name)
+    return study_of(parsed(text, name), Origins(name, text))
+
+
+def study_of(data: Mapping[str, Any], origins: Origins) -> Study:
+    """The study with these tables. Raises ConfigError with every problem, each with its line."""
     try:
         return Study.model_validate(data)
     except ValidationError as error:
-        findings = model_findings(error, Study)
-        raise ConfigError(problems_of(findings, Origins(name, text))) from None
+        raise ConfigError(problems_of(model_findings(error, Study), origins)) from None
