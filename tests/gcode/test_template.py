@@ -20,6 +20,7 @@ def rendered(text, **values):
         ("G1 X{x + 1}", "G1 X3"),
         ("{% if y is defined %}a{% else %}b{% endif %}", "b"),
         ("{ y|default(4)|float }", "4.0"),
+        ("{% set z = G10|string %}<{z}>{ 3|string }", "<>3"),
         ("{% for i in range(3) %}{i}{loop.last} {% endfor %}", "0False 1False 2True "),
         ("{% set p = {'a': [1, 2]} %}{ p.a[1] } { p['a']|sum } {p.a|length}", "2 3 2"),
         ("{% do l.append(3) %}{ l|join(',') }", "1,3"),

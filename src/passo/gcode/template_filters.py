@@ -11,6 +11,7 @@ from jinja2 import pass_environment
 from jinja2.defaults import DEFAULT_NAMESPACE
 from jinja2.environment import Environment
 from jinja2.filters import FILTERS, make_attrgetter
+from jinja2.runtime import Undefined
 from jinja2.tests import TESTS
 
 from passo.gcode.template_bounds import Bounds
@@ -95,6 +96,7 @@ class Library:
         kept = _kept(FILTERS) | {
             "join": self._joined,
             "random": self._picked,
+            "string": _text,
             "sum": self._sum,
         }
         self.filters = {name: self._limited(made, name) for name, made in kept.items()}
@@ -166,6 +168,12 @@ class Library:
                 raise TypeError(f"sum takes numbers, not {kind_of(part)}; for lists: start=[]")
             total += part
         return total
+
+
+def _text(value: object) -> str:
+    """The text of a value; empty for a name without a value, as in Klipper: KAMP's line of purging
+    takes G10 to be such a name."""
+    return "" if isinstance(value, Undefined) else str(value)
 
 
 def _kept(found: Mapping[str, Any]) -> dict[str, Any]:
