@@ -288,11 +288,12 @@ def _stop(message: object = "") -> str:
 
 def _params(command: Command) -> dict[str, str]:
     """The parameters of a call: KEY=VALUE of a named command, or the words of a numbered command by
-    letter."""
+    letter; its own letter and number are among them, as in Klipper."""
     if command.name:
         return command.pairs()
     words = _core.split_text(command.text)
-    return {letter: text or "" for letter, _, text in words if "A" <= letter <= "Z"}
+    given = {letter: text or "" for letter, _, text in words if "A" <= letter <= "Z"}
+    return {command.code[:1]: command.code[1:]} | given
 
 
 def _value(variable: str, written: str) -> Any:
