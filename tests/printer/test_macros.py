@@ -197,6 +197,17 @@ def test_delayed_gcode_comes_after_its_time():
         s.host.silent(60, "first|again")
 
 
+def test_delayed_gcode_stops_a_hot_printer():
+    with Scenario(with_macros(delayed("watch", "{ action_emergency_stop('smoke') }", 30.0))) as s:
+        s.host.ok("M104 S200")
+        s.passes(20)
+        assert s.board.output_value("hotend") > 0
+        s.host.expect("watch: .*smoke", 20)
+        s.passes(1)
+        assert s.printer.state.halted
+        assert s.board.output_value("hotend") == 0
+
+
 def test_delayed_gcode_is_taken_back_and_set_again():
     with Scenario(with_macros(delayed("one", "M118 one"))) as s:
         s.host.ok("UPDATE_DELAYED_GCODE ID=one DURATION=2")

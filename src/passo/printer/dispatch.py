@@ -191,11 +191,7 @@ class Dispatch:
 
         def insert() -> None:
             self.select(console=True)
-            commands = self._rig.commands
-            lines = commands.macros.rendered(
-                name, text, commands.status(), lambda answer: _respond(reply, answer)
-            )
-            self._rig.job.program.insert(lines.encode("utf-8", "surrogateescape"))
+            self._rig.job.program.insert(self._lines(name, text, reply))
 
         return self._take(insert, reply)
 
@@ -203,11 +199,8 @@ class Dispatch:
         """Runs the template `text` of the machine file, at its key `name`, in the middle of a
         command, which goes on at its end. A failure goes to `reply`. Raises as `finish`, and
         CommandError if the template fails."""
-        commands, program, console = self._rig.commands, self._rig.job.program, self._from_console
-        lines = commands.macros.rendered(
-            name, text, commands.status(), lambda answer: _respond(reply, answer)
-        )
-        program.insert_apart(lines.encode("utf-8", "surrogateescape"))
+        program, console = self._rig.job.program, self._from_console
+        program.insert_apart(self._lines(name, text, reply))
         try:
             while (wait := self._go_on(reply)) is not None:
                 await self._waits.wait(wait, reply)
@@ -300,9 +293,24 @@ class Dispatch:
                 command, lambda text: _respond(reply, text), console=self._from_console
             )
         except EmergencyStop as stop:
-            halt = Command(command.line, "M", 112, 0, "", "")
-            self._carried_out(self.planned.get("M112"), halt, reply)
-            raise CommandError.of("macro.raised", axis=command.code, value=str(stop)) from None
+            raise self._halted_by(stop, command.code, reply) from None
+
+    def _lines(self, name: str, text: str, reply: Reply) -> bytes:
+        """The lines of a template of the machine file. Raises CommandError if it fails."""
+        commands = self._rig.commands
+        try:
+            lines = commands.macros.rendered(
+                name, text, commands.status(), lambda answer: _respond(reply, answer)
+            )
+        except EmergencyStop as stop:
+            raise self._halted_by(stop, name, reply) from None
+        return lines.encode("utf-8", "surrogateescape")
+
+    def _halted_by(self, stop: EmergencyStop, name: str, reply: Reply) -> CommandError:
+        """Halts the printer, as M112 does. Returns the error that names the template."""
+        halt = Command(0, "M", 112, 0, "", "")
+        self._carried_out(self.planned.get("M112"), halt, reply)
+        return CommandError.of("macro.raised", axis=name, value=str(stop))
 
     def _feed(self, text: str) -> None:
         self.select(console=True)
