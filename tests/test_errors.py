@@ -17,6 +17,7 @@ import pytest
 import passo
 from passo import Machine, catalogue
 from passo.board.faults import BoardResetError, BoardSilentError
+from passo.board.i2c_sensors.exchanges import ChipError
 from passo.board.trinamic.driver import DriverFailure
 from passo.catalogue import CATALOGUE, Entry, ExitStatus
 from passo.errors import InputError, PassoError, Problem
@@ -33,6 +34,7 @@ FAULT = Fault("card.not-found", "card", "a.g is not there", "Look at the list", 
 MADE: dict[type[BaseException], Callable[[], BaseException]] = {
     BoardResetError: lambda: BoardResetError("tool"),
     BoardSilentError: lambda: BoardSilentError("get_clock (board tool)"),
+    ChipError: lambda: ChipError("garbled", "the checksum 0x12 in place of 0x34"),
     DriverFailure: lambda: DriverFailure(PROBLEMS[0]),
     RankError: lambda: RankError(2, 3),
     RequestError: lambda: RequestError(404, FAULT),

@@ -13,6 +13,7 @@ from passo.toolchain.declarations import DeclarationError, gather
 from passo.toolchain.tables import dictionary, write_tables
 
 FIRMWARE = Path(__file__).parents[2] / "firmware"
+EDDY = re.compile("ldc1612|trigger_analog|sos_filter")
 CORE = sorted(FIRMWARE.glob("core/*.c"))
 
 
@@ -30,15 +31,18 @@ def test_every_reason_for_a_shutdown_is_in_the_dictionary():
 
 
 def test_firmware_declares_all_commands_of_the_model():
+    """But those of eddy current probes, which need Klipper's firmware."""
     board = RawBoard()
 
     def with_wide_pins(text: str) -> str:
         return text.replace("pin=%c", "pin=%u")
 
     known = {text for _, text in board.dictionary.commands}
-    assert {with_wide_pins(text) for _, text in _core.board_commands()} - known == set()
+    commands = {with_wide_pins(text) for _, text in _core.board_commands()}
+    assert {text for text in commands - known if not EDDY.search(text)} == set()
     reports = {text for _, text in board.dictionary.reports}
-    assert {text for _, text in _core.board_reports()} - reports == set()
+    missing = {text for _, text in _core.board_reports()} - reports
+    assert {text for text in missing if not EDDY.search(text)} == set()
 
 
 def test_frequent_messages_have_one_byte_ids():

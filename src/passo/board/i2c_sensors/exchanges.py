@@ -31,8 +31,13 @@ class ChipError(Exception):
     """A chip does not answer as expected."""
 
     def __init__(self, fault: ChipFault, found: str) -> None:
-        super().__init__(found)
+        super().__init__(fault, found)
         self.fault: ChipFault = fault
+        self._found = found
+
+    def __str__(self) -> str:
+        """What was found instead."""
+        return self._found
 
 
 Steps: TypeAlias = Generator[Transfer | float | Measured, bytes, None]
