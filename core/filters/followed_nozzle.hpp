@@ -51,7 +51,7 @@ class FollowedNozzle {
   Fit fit_;
   std::deque<Fit> parts_;  // buffers, by depth of division
 
-  double near_ = 0;        // steps at the start of the track, within half a turn
+  double near_ = 0;  // steps at the start of the track, within half a turn
 
   // Fits quadratics to the motor's law along a track, which starts near `near` steps.
   void fit(const Track& track, double near, Fit& to) const;
