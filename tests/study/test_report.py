@@ -114,7 +114,13 @@ def test_ctrl_c_keeps_the_rows(folder):
     (folder / "study.toml").write_text(LONG)
     command = [sys.executable, "-m", "passo", "batch", "study.toml", "--output", "out", "--events"]
     with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, process_group=0
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        process_group=0,
+        # as in a terminal: a background job of a shell begins with it ignored
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     ) as study:
         assert study.stdout is not None and study.stderr is not None
         first = next(line for line in study.stdout if "row" in line)
