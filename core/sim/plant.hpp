@@ -121,8 +121,8 @@ class Plant {
   using Position = std::function<double(uint32_t step_pin)>;
   // The level of an input pin. position(step_pin) returns an actuator position.
   bool level(uint32_t pin, Ticks clock, const Position& position);
-  // The height of the nozzle above the bed at the place of the probe on this pin, mm; infinite if
-  // there is none, or the machine cannot be there.
+  // The height of the nozzle above the bed at the place of the probe on this pin, mm; infinite
+  // without a probe on it, or if the machine cannot be there.
   double gap(uint32_t probe_pin, const Position& position);
   // Parts that detect the position of the head take a sample. next_look(): clock of the next
   // sample.

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from passo.config.machine import MachineConfig
 
-# A command of a word: a name that nothing is written to, alone or with words behind it.
+# A name at the start of a line, alone or before its parameters. No expression writes a part of it.
 _WORD = re.compile(r"\s*([A-Za-z_]\w*[A-Za-z_]\w*)(?=\s|$)")
 _NUMBERED = re.compile(r"[A-Z]\d+", re.IGNORECASE)
 _WRITTEN = "\0"  # what an expression writes, which only the template knows

@@ -122,7 +122,7 @@ class Macros:
             **variables[name],
             "params": _params(command),
             "rawparams": command.text,
-            "variables": deepcopy(self.variables[name]),
+            "variables": dict(variables[name]),
         }
         gcode = self._machine.macros[name].gcode
         text = self._gcode(name, gcode, values, variables, status, budget, respond)

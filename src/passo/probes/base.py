@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal, Protocol
 
@@ -171,9 +172,9 @@ class SensingProbe(Probe):
     descent that may take longer than 20 s."""
 
     @property
+    @abstractmethod
     def wired_at(self) -> str:
         """A pin or a bus that names the board of the probe."""
-        raise NotImplementedError
 
 
 class SwitchProbe(SensingProbe):

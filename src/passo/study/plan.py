@@ -95,7 +95,8 @@ def _files(patterns: Iterable[str], folder: Path) -> Iterator[tuple[str, Content
 def _made(
     name: str, folder: Path, settings: list[Setting], machines: Machines
 ) -> Iterator[str | ConfigError]:
-    """For each setting the digest of the machine, or why there is none. Raises ConfigError."""
+    """For each setting the digest of the machine, or the error of a setting that does not fit.
+    Raises ConfigError."""
     path = machine_path(name)
     text, file = text_and_file(name if path is None else os.fspath(folder / path))
     made: list[str | ConfigError] = []

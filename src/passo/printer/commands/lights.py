@@ -185,7 +185,10 @@ class Lights:
             return None
         name = found_name(self._templates, written)
         if name is None:
-            limit = ", ".join(self._templates) or "one of light_templates, of which there is none"
+            limit = (
+                ", ".join(self._templates)
+                or "a name of [light_templates], which this machine file does not have"
+            )
             raise CommandError.of("command.value", axis="TEMPLATE", value=written, limit=limit)
         return name
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from abc import abstractmethod
 from collections.abc import Callable
 
 from passo.board.i2c_sensors.bosch_chips import bmp180
@@ -32,8 +33,8 @@ def _raw(value_of: Callable[[int], float], wanted: float, bits: int) -> int:
 
 
 class _Registers(SensorChip):
-    """A chip with registers; a read goes on from the selected one. A measurement takes
-    `_seconds`."""
+    """A chip with registers. A read takes the selected register and those behind it. A measurement
+    takes `_seconds`."""
 
     _seconds = 0.017
 
@@ -63,13 +64,13 @@ class _Registers(SensorChip):
     def _put_20(self, at: int, raw: int) -> None:
         self._put(at, (raw << 4).to_bytes(3, "big"))
 
+    @abstractmethod
     def written(self, register: int, value: int, clock: int) -> None:
         """A register was written."""
-        raise NotImplementedError
 
+    @abstractmethod
     def show(self, *, busy: bool) -> None:
         """Sets the status before a read."""
-        raise NotImplementedError
 
 
 class BMP180(_Registers):

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+
 _OPEN_BUS = 0xFF
 
 
-class SensorChip:
+class SensorChip(ABC):
     """A chip that measures `celsius`, `humidity` in % and `pressure_hpa`; its answers may be
     `checked` by a checksum. If not `plugged`, it does not answer; if `garbled`, one bit of each of
     its answers is wrong. All clocks are ticks of its board."""
@@ -48,10 +50,10 @@ class SensorChip:
         """The clock so much later."""
         return clock + round(seconds * self._hz)
 
+    @abstractmethod
     def command(self, data: bytes, clock: int) -> None:
         """Takes the bytes of a complete write, whose last byte came at this clock."""
-        raise NotImplementedError
 
+    @abstractmethod
     def answer(self, clock: int) -> bytes | None:
         """The bytes for a read at this clock; None if the chip does not acknowledge it."""
-        raise NotImplementedError
