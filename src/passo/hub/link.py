@@ -1,0 +1,83 @@
+"""The interface between the hub and one printer, of any firmware."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from passo.web.summary import Summary
+
+
+class Unreachable(Exception):
+    """No answer: the request may or may not have reached the printer."""
+
+
+class Refused(Exception):
+    """The printer has answered that it does not do it: a code, a sentence, and the next action."""
+
+    def __init__(self, code: str, text: str, action: str) -> None:
+        super().__init__(text)
+        self.code, self.text, self.action = code, text, action
+
+
+@dataclass(frozen=True, slots=True)
+class RunReport:
+    """What a printer says of a run that it has started once. `state` is printing, paused, done,
+    cancelled or failed; `reason` says why it failed."""
+
+    state: str
+    reason: str = ""
+
+
+class Link(Protocol):
+    """One printer. All calls raise Unreachable, and Refused where the printer refuses. `user` is
+    who asks, for the log of the printer."""
+
+    async def follow(self, seen: Callable[[Summary], None]) -> None:
+        """Calls `seen` with the printer's summary at once and at each change, until the connection
+        ends: then it raises Unreachable."""
+        ...
+
+    async def upload(self, content: Path, name: str, sha256: str) -> str:
+        """Stores a file on the printer and returns its path there. The same file again is no
+        error."""
+        ...
+
+    async def start(self, run: str, path: str, user: str) -> None:
+        """Starts a print, unless this run was started before: then nothing happens."""
+        ...
+
+    async def report(self, run: str) -> RunReport | None:
+        """What has become of a run; None if the printer knows for certain that it has never
+        received this start."""
+        ...
+
+    async def pause(self, user: str) -> None:
+        """Pauses the print."""
+        ...
+
+    async def resume(self, user: str) -> None:
+        """Resumes the print."""
+        ...
+
+    async def cancel(self, user: str) -> None:
+        """Cancels the print."""
+        ...
+
+    async def stop(self, user: str) -> None:
+        """Emergency stop."""
+        ...
+
+    async def machine(self) -> str:
+        """The machine file in TOML, or an empty text if the printer has none."""
+        ...
+
+    async def picture(self, path: str) -> bytes:
+        """The thumbnail of a file, PNG; empty if it has none."""
+        ...
+
+    async def close(self) -> None:
+        """Ends all connections."""
+        ...
