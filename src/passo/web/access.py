@@ -58,7 +58,7 @@ class Access:
     can reach the web interface."""
 
     def __init__(self, accounts: Accounts, binding: Binding) -> None:
-        self._accounts, self._binding = accounts, binding
+        self.accounts, self._binding = accounts, binding
         self.connected = AddressSessions(monotonic)
 
     def needs_code(self, connection: HTTPConnection) -> bool:
@@ -71,26 +71,26 @@ class Access:
         peer = connection.client.host if connection.client is not None else ""
         address = address_key(peer)
         # Before there is an administrator there are no keys: a key in a request is ignored.
-        if self._accounts.exist and (token := _key_of(connection)) is not None:
-            key = self._accounts.key(token)
+        if self.accounts.exist and (token := _key_of(connection)) is not None:
+            key = self.accounts.key(token)
             if key is None:
                 raise WebError.of("web.log-in")
             return Caller(key.name, key.role, key=key.hash, address=address)
         self._require_own_page(connection)
-        found = self._accounts.session(_session_of(connection, self._accounts.cookie))
+        found = self.accounts.session(_session_of(connection, self.accounts.cookie))
         if found is not None:
             if writes and HEADER.lower() not in connection.headers:
                 raise WebError.of("web.origin", value=f"it has no header {HEADER}")
             session, account = found
             return Caller(account.name, account.role, session=session.hash, address=address)
-        if not self._accounts.exist and not self.needs_code(connection):
+        if not self.accounts.exist and not self.needs_code(connection):
             return Caller(_LOCAL, Role.ADMIN, address=address)
         return self._connected(connection, peer) or Caller("", Role.PUBLIC, address=address)
 
     def connect(self, connection: HTTPConnection, token: str) -> bool:
         """Starts a session of RepRapFirmware's interface with an API key. Returns False if the key
         is invalid."""
-        key = self._accounts.key(token)
+        key = self.accounts.key(token)
         peer = connection.client.host if connection.client is not None else ""
         if key is None or any(name in connection.headers for name in _OF_PROXIES):
             return False
@@ -109,18 +109,18 @@ class Access:
     def holds(self, caller: Caller) -> bool:
         """Whether a caller still has its rights. Never waits."""
         if caller.key:
-            return any(key.hash == caller.key for key in self._accounts.keys)
+            return any(key.hash == caller.key for key in self.accounts.keys)
         if caller.session:
-            found = self._accounts.session(caller.session)
+            found = self.accounts.session(caller.session)
             return found is not None and found[1].role == caller.role
-        return not self._accounts.exist
+        return not self.accounts.exist
 
     def permit(self, caller: Caller, operation: Operation) -> None:
         """Raises WebError unless the caller may execute the operation."""
         self.require(caller, operation.role)
         if not operation.fresh:
             return
-        if not self._accounts.exist:
+        if not self.accounts.exist:
             raise WebError.of("web.no-administrator")
         self.require_password(caller)
 
@@ -135,13 +135,13 @@ class Access:
     def require_password(self, caller: Caller) -> None:
         """Raises WebError unless the password was entered within the last minutes, or there is no
         account."""
-        if self._accounts.exist and not self._accounts.fresh(caller.session):
+        if self.accounts.exist and not self.accounts.fresh(caller.session):
             raise WebError.of("web.password", limit=f"{FRESH_S / 60:g}")
 
     async def used(self, caller: Caller) -> None:
         """Records that a session is used, which extends it."""
-        if caller.session and (found := self._accounts.session(caller.session)) is not None:
-            await self._accounts.use(found[0])
+        if caller.session and (found := self.accounts.session(caller.session)) is not None:
+            await self.accounts.use(found[0])
 
     def _require_own_page(self, connection: HTTPConnection) -> None:
         """Raises WebError for a request that another web page has caused in a browser."""

@@ -5,12 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from starlette.applications import Starlette
-from starlette.responses import Response
-from starlette.routing import Route, WebSocketRoute
+from starlette.routing import WebSocketRoute
 
 from passo.web import openapi
 from passo.web.access import Access, Binding
-from passo.web.answers import JSON
+from passo.web.call import Call
 from passo.web.feed import serve_feed
 from passo.web.feeds import Feeds
 from passo.web.files.metadata import MetadataReader
@@ -27,7 +26,6 @@ from passo.web.site import Site
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from starlette.requests import Request
     from starlette.types import ASGIApp
     from starlette.websockets import WebSocket
 
@@ -53,18 +51,14 @@ def web_app(
     firmware = Builds(), Flashes()
     site = Site(bridge, accounts, access, uploads, metadata, temperatures, logs, *firmware, state)
     feeds, messages = Feeds(bridge), Messages()
-    described = openapi.encoded(OPERATIONS)
-
-    async def description(_: Request) -> Response:
-        return Response(described, media_type=JSON)
 
     async def feed(websocket: WebSocket) -> None:
         await serve_feed(site, feeds, messages, websocket)
 
     app = Starlette(
         routes=[
-            *routes(OPERATIONS, site),
-            Route(openapi.PATH, description),
+            *routes(OPERATIONS, access, lambda *asked: Call(access, *asked, site)),
+            openapi.route(OPERATIONS),
             WebSocketRoute("/api/v1/feed", feed),
             *page_routes(),
         ],

@@ -10,18 +10,32 @@ from passo.gcode.command import Command, Given
 if TYPE_CHECKING:
     from starlette.requests import Request
 
+    from passo.web.access import Access
+    from passo.web.accounts.accounts import Accounts
     from passo.web.bridge import Bridge
     from passo.web.operation import Caller
     from passo.web.site import Site
 
 
 @dataclass(frozen=True, slots=True)
-class Call:
-    """One request: its caller, and its access to the printer."""
+class ServerCall:
+    """One request to a server with accounts: its caller, and how callers are found."""
 
-    site: Site
+    access: Access
     caller: Caller
     request: Request
+
+    @property
+    def accounts(self) -> Accounts:
+        """The accounts of the server."""
+        return self.access.accounts
+
+
+@dataclass(frozen=True, slots=True)
+class Call(ServerCall):
+    """One request to a printer."""
+
+    site: Site
 
     @property
     def bridge(self) -> Bridge:

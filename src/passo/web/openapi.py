@@ -4,21 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from http import HTTPStatus
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import msgspec
 from msgspec.json import schema_components
+from starlette.responses import Response
+from starlette.routing import Route
 
 from passo.version import __version__
 from passo.web.answers import JSON, Refusal, status_of
 from passo.web.operation import API, Operation
 from passo.web.roles import Role
 
+if TYPE_CHECKING:
+    from starlette.requests import Request
+
 Tree: TypeAlias = dict[str, Any]
 _REFERENCE = "#/components/schemas/{name}"
 
 
-def description(operations: Sequence[Operation]) -> Tree:
+def description(operations: Sequence[Operation], title: str = "Passo") -> Tree:
     """The content of `/api/v1/openapi.json`."""
     listed = [operation for operation in operations if not operation.compatible]
     kinds = [kind for o in listed for kind in (o.body, o.response, o.query) if kind is not None]
@@ -35,7 +40,7 @@ def description(operations: Sequence[Operation]) -> Tree:
             del components[name]  # its fields are listed as parameters
     return {
         "openapi": "3.1.0",
-        "info": {"title": "Passo", "version": __version__, "license": {"name": "Apache-2.0"}},
+        "info": {"title": title, "version": __version__, "license": {"name": "Apache-2.0"}},
         "paths": paths,
         "components": {
             "schemas": components,
@@ -141,9 +146,19 @@ def _responses(operation: Operation, schema_of: dict[str, Tree]) -> Tree:
     return found
 
 
-def encoded(operations: Sequence[Operation]) -> bytes:
+def route(operations: Sequence[Operation], title: str = "Passo") -> Route:
+    """The route at which a server describes itself."""
+    described = encoded(operations, title)
+
+    async def answer(_: Request) -> Response:
+        return Response(described, media_type=JSON)
+
+    return Route(PATH, answer)
+
+
+def encoded(operations: Sequence[Operation], title: str = "Passo") -> bytes:
     """The description as JSON."""
-    return msgspec.json.format(msgspec.json.encode(description(operations)), indent=1)
+    return msgspec.json.format(msgspec.json.encode(description(operations, title)), indent=1)
 
 
 PATH = f"{API}/openapi.json"

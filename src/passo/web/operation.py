@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterator
 from dataclasses import dataclass
+from importlib import import_module
 from inspect import getdoc, signature
+from pkgutil import iter_modules
+from types import ModuleType
 from typing import Any, Literal, TypeAlias, get_args, get_origin, get_type_hints
 
 from passo.web.answers import JSON, Answer
@@ -143,3 +146,14 @@ def operation(
         )
 
     return declare
+
+
+def declared(package: ModuleType) -> Iterator[Operation]:
+    """The operations of the modules of a package, in the order of their names."""
+    for found in sorted(iter_modules(package.__path__), key=lambda module: module.name):
+        yield from declared_in(import_module(f"{package.__name__}.{found.name}"))
+
+
+def declared_in(module: ModuleType) -> Iterator[Operation]:
+    """The operations of a module, in the order of their declaration."""
+    return (value for value in vars(module).values() if isinstance(value, Operation))

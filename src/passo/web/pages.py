@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from starlette.requests import Request
 
 _BUILT = Path(__file__).with_name("static")
-_INDEX = "index.html"
+PRINTER, FARM = "index.html", "farm.html"
+"""The pages of `passo serve` and of `passo hub`. They share all other files."""
 _HASHED = "assets/"  # names in it contain a hash of the content
 _NOT_BUILT = b"""<!doctype html>
 <html lang="en">
@@ -47,19 +48,20 @@ class _File:
         return Response(data, headers=headers)
 
 
-def page_routes(built: Path = _BUILT) -> list[Route]:
-    """A route for each file of the page, which is read once. Without a built page, a route that
+def page_routes(built: Path = _BUILT, page: str = PRINTER) -> list[Route]:
+    """A route for each file of a page, which is read once. Without a built page, a route that
     explains how to build it."""
     files = {
         path.relative_to(built).as_posix(): path
         for path in built.rglob("*")
         if path.is_file() and path.suffix != ".gz" and not path.name.startswith(".")
     }
-    if _INDEX not in files:
+    files = {name: path for name, path in files.items() if name not in {PRINTER, FARM} - {page}}
+    if page not in files:
         missing = _File(_NOT_BUILT, None, _headers("text/html; charset=utf-8", "no-store", ""))
         return [_route("/", missing)]
     routes = [_route(f"/{name}", _read(name, path)) for name, path in files.items()]
-    return [_route("/", _read(_INDEX, files[_INDEX])), *routes]
+    return [_route("/", _read(page, files[page])), *routes]
 
 
 def _read(name: str, path: Path) -> _File:

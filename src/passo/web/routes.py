@@ -4,7 +4,7 @@ answers."""
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, cast
 
 from starlette.exceptions import HTTPException
@@ -14,35 +14,44 @@ from starlette.routing import Route
 
 from passo.errors import PassoError, WebError
 from passo.web.answers import Answer, json, refusal
-from passo.web.call import Call
 from passo.web.deltas import tree
-from passo.web.operation import Operation
+from passo.web.operation import Caller, Operation
 from passo.web.requests import arguments
 
 if TYPE_CHECKING:
     from starlette.types import Receive, Scope, Send
 
-    from passo.web.site import Site
+    from passo.web.access import Access
+    from passo.web.call import ServerCall
 
 _log = logging.getLogger(__name__)
 
 
-def routes(operations: Sequence[Operation], site: Site) -> list[Route]:
-    """A route for each path."""
+def routes(
+    operations: Sequence[Operation],
+    access: Access,
+    call: Callable[[Caller, Request], ServerCall],
+) -> list[Route]:
+    """A route for each path; `call` makes the first argument of the handlers."""
     paths: dict[str, dict[str, Operation]] = {}
     for operation in operations:
         methods = paths.setdefault(operation.path, {})
         if operation.method in methods:
             raise ValueError(f"{operation.method} {operation.path} is declared twice")
         methods[operation.method] = operation
-    return [Route(path, _Endpoint(methods, site)) for path, methods in paths.items()]
+    return [Route(path, _Endpoint(methods, access, call)) for path, methods in paths.items()]
 
 
 class _Endpoint:
     """The operations of one path, as an ASGI application."""
 
-    def __init__(self, methods: dict[str, Operation], site: Site) -> None:
-        self._methods, self._site = methods, site
+    def __init__(
+        self,
+        methods: dict[str, Operation],
+        access: Access,
+        call: Callable[[Caller, Request], ServerCall],
+    ) -> None:
+        self._methods, self._access, self._call = methods, access, call
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         request = Request(scope, receive, send)
@@ -56,13 +65,13 @@ class _Endpoint:
         await response(scope, receive, send)
 
     async def _answer(self, operation: Operation, request: Request) -> Response:
-        access = self._site.access
+        access = self._access
         try:
             caller = access.caller(request, writes=operation.writes)
             access.permit(caller, operation)
             await access.used(caller)
             given = await arguments(operation, request)
-            answer = await operation.handler(Call(self._site, caller, request), **given)
+            answer = await operation.handler(self._call(caller, request), **given)
         except PassoError as error:
             return refusal(error)
         except ClientDisconnect:

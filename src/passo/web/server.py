@@ -48,6 +48,12 @@ class _Server(uvicorn.Server):
         yield
 
 
+def server(app: ASGIApp) -> uvicorn.Server:
+    """A server that leaves signals to the program: `serve(sockets=[…])` serves the application
+    until `should_exit` is set."""
+    return _Server(configuration(app))
+
+
 class WebThread:
     """Runs coroutines in a separate thread with an event loop in real time, independent of the time
     of the printer's loop. Create and close it in any other thread."""
@@ -88,9 +94,9 @@ class WebThread:
 
     def serve(self, app: ASGIApp, listening: socket.socket) -> None:
         """Serves an application on a listening socket."""
-        server = _Server(configuration(app))
-        self._closers.append(lambda: setattr(server, "should_exit", True))
-        self.start(server.serve(sockets=[listening]))
+        served = server(app)
+        self._closers.append(lambda: setattr(served, "should_exit", True))
+        self.start(served.serve(sockets=[listening]))
 
     def close(self) -> None:
         """Ends all connections and the thread; returns when the thread has ended."""

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, TypeAlias
 from msgspec import Meta, Struct
 
 from passo.web.accounts.accounts import Account, Key
-from passo.web.call import Call
+from passo.web.call import ServerCall
 from passo.web.endpoints.session import Name, NewPassword
 from passo.web.operation import operation
 from passo.web.roles import Role
@@ -61,9 +61,9 @@ class MadeKey(Struct):
 
 
 @operation("accounts.list", "GET", "/accounts", Role.ADMIN)
-async def accounts(call: Call) -> list[AccountRecord]:
+async def accounts(call: ServerCall) -> list[AccountRecord]:
     """All accounts."""
-    return [_account(account) for account in call.site.accounts.all]
+    return [_account(account) for account in call.accounts.all]
 
 
 @operation(
@@ -75,9 +75,9 @@ async def accounts(call: Call) -> list[AccountRecord]:
     status=201,
     fresh=True,
 )
-async def add(call: Call, body: NewAccount) -> AccountRecord:
+async def add(call: ServerCall, body: NewAccount) -> AccountRecord:
     """Makes an account."""
-    made = await call.site.accounts.add(body.name, body.password, Role[body.role.upper()])
+    made = await call.accounts.add(body.name, body.password, Role[body.role.upper()])
     return _account(made)
 
 
@@ -89,10 +89,10 @@ async def add(call: Call, body: NewAccount) -> AccountRecord:
     errors=("web.not-found", "web.last-administrator", "web.accounts"),
     fresh=True,
 )
-async def change(call: Call, name: str, body: AccountChange) -> AccountRecord:
+async def change(call: ServerCall, name: str, body: AccountChange) -> AccountRecord:
     """Changes the password or the role of an account, and ends its log-ins, except this one."""
     role = None if body.role is None else Role[body.role.upper()]
-    changed = await call.site.accounts.change(
+    changed = await call.accounts.change(
         name, password=body.password, role=role, but=call.caller.session
     )
     return _account(changed)
@@ -106,15 +106,15 @@ async def change(call: Call, name: str, body: AccountChange) -> AccountRecord:
     errors=("web.not-found", "web.last-administrator", "web.accounts"),
     fresh=True,
 )
-async def remove(call: Call, name: str) -> None:
+async def remove(call: ServerCall, name: str) -> None:
     """Removes an account and ends its log-ins. One administrator stays."""
-    await call.site.accounts.remove(name)
+    await call.accounts.remove(name)
 
 
 @operation("keys.list", "GET", "/keys", Role.ADMIN)
-async def keys(call: Call) -> list[KeyRecord]:
+async def keys(call: ServerCall) -> list[KeyRecord]:
     """All API keys, without their secrets."""
-    return [_key(key) for key in call.site.accounts.keys]
+    return [_key(key) for key in call.accounts.keys]
 
 
 @operation(
@@ -126,9 +126,9 @@ async def keys(call: Call) -> list[KeyRecord]:
     status=201,
     fresh=True,
 )
-async def add_key(call: Call, body: NewKey) -> MadeKey:
+async def add_key(call: ServerCall, body: NewKey) -> MadeKey:
     """Makes an API key for a slicer or a script, which sends it in the header `X-Api-Key`."""
-    key, token = await call.site.accounts.add_key(body.name, Role[body.role.upper()])
+    key, token = await call.accounts.add_key(body.name, Role[body.role.upper()])
     return MadeKey(_key(key), token)
 
 
@@ -140,9 +140,9 @@ async def add_key(call: Call, body: NewKey) -> MadeKey:
     errors=("web.not-found", "web.accounts"),
     fresh=True,
 )
-async def revoke_key(call: Call, id: str) -> None:
+async def revoke_key(call: ServerCall, id: str) -> None:
     """Makes a key invalid at once."""
-    await call.site.accounts.revoke_key(id)
+    await call.accounts.revoke_key(id)
 
 
 def _account(account: Account) -> AccountRecord:

@@ -157,7 +157,7 @@ async def flash(call: Call, body: FlashOrder) -> Flash:
     """Starts to flash an image of the last build onto its board, in a separate process, one board
     at a time. `firmware.flashing` has the log, and the manual steps. If there are accounts, the
     password must have been entered within the last minutes."""
-    call.site.access.require_password(call.caller)
+    call.access.require_password(call.caller)
     found = call.site.builds.image(body.image)
     if found is None:
         raise WebError.of("web.not-found", value=f"image {body.image} of the last build")

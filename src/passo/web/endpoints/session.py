@@ -9,7 +9,7 @@ from msgspec import Meta, Struct
 from passo.errors import WebError
 from passo.web.accounts.accounts import MAX_AGE_S, digest
 from passo.web.answers import Answer
-from passo.web.call import Call
+from passo.web.call import ServerCall
 from passo.web.operation import operation
 from passo.web.roles import Role
 
@@ -69,10 +69,10 @@ class LogInRecord(Struct):
 
 
 @operation("session.get", "GET", "/session", Role.PUBLIC)
-async def identity(call: Call) -> Identity:
+async def identity(call: ServerCall) -> Identity:
     """The identity of the caller, and whether there is an administrator."""
-    caller, accounts = call.caller, call.site.accounts
-    needed = not accounts.exist and call.site.access.needs_code(call.request)
+    caller, accounts = call.caller, call.accounts
+    needed = not accounts.exist and call.access.needs_code(call.request)
     fresh = accounts.fresh(caller.session)
     return Identity(caller.name, str(caller.role), accounts.exist, needed, fresh)
 
@@ -84,11 +84,11 @@ async def identity(call: Call) -> Identity:
     Role.PUBLIC,
     errors=("web.set-up", "web.code", "web.too-many", "web.accounts"),
 )
-async def set_up(call: Call, body: Administrator) -> Answer[Identity]:
+async def set_up(call: ServerCall, body: Administrator) -> Answer[Identity]:
     """Creates the administrator, once, and logs in. From another computer, this needs the one-time
     code that `passo serve` prints."""
-    code = body.code if call.site.access.needs_code(call.request) else None
-    accounts = call.site.accounts
+    code = body.code if call.access.needs_code(call.request) else None
+    accounts = call.accounts
     token = await accounts.create_administrator(body.name, body.password, call.caller.address, code)
     return _with_cookie(call, token)
 
@@ -100,17 +100,17 @@ async def set_up(call: Call, body: Administrator) -> Answer[Identity]:
     Role.PUBLIC,
     errors=("web.credentials", "web.too-many", "web.accounts"),
 )
-async def log_in(call: Call, body: LogIn) -> Answer[Identity]:
+async def log_in(call: ServerCall, body: LogIn) -> Answer[Identity]:
     """Logs in: the answer sets a cookie."""
-    token = await call.site.accounts.log_in(body.name, body.password, call.caller.address)
+    token = await call.accounts.log_in(body.name, body.password, call.caller.address)
     return _with_cookie(call, token)
 
 
 @operation("session.log_out", "DELETE", "/session", Role.VIEWER, errors=("web.accounts",))
-async def log_out(call: Call) -> None:
+async def log_out(call: ServerCall) -> None:
     """Ends the log-in of the cookie."""
     if call.caller.session:
-        await call.site.accounts.end(call.caller.session)
+        await call.accounts.end(call.caller.session)
 
 
 @operation(
@@ -120,9 +120,9 @@ async def log_out(call: Call) -> None:
     Role.VIEWER,
     errors=("web.credentials", "web.too-many", "web.not-found"),
 )
-async def confirm(call: Call, body: Password) -> None:
+async def confirm(call: ServerCall, body: Password) -> None:
     """Confirms the password, which allows operations that need it for the next five minutes."""
-    accounts = call.site.accounts
+    accounts = call.accounts
     await accounts.confirm(_own(call), body.password, call.caller.address)
 
 
@@ -133,18 +133,18 @@ async def confirm(call: Call, body: Password) -> None:
     Role.VIEWER,
     errors=("web.credentials", "web.too-many", "web.not-found", "web.accounts"),
 )
-async def change_password(call: Call, body: PasswordChange) -> None:
+async def change_password(call: ServerCall, body: PasswordChange) -> None:
     """Changes the password of the caller's account, and ends its other log-ins."""
-    accounts, caller = call.site.accounts, call.caller
+    accounts, caller = call.accounts, call.caller
     await accounts.change_own_password(_own(call), body.old, body.new, caller.address)
 
 
 @operation("session.list", "GET", "/sessions", Role.VIEWER)
-async def sessions(call: Call) -> list[LogInRecord]:
+async def sessions(call: ServerCall) -> list[LogInRecord]:
     """The caller's log-ins; for an administrator, those of all accounts."""
     return [
         LogInRecord(s.hash[:16], s.account, s.started_s, s.used_s, s.hash == call.caller.session)
-        for s in call.site.accounts.sessions(_whose(call))
+        for s in call.accounts.sessions(_whose(call))
     ]
 
 
@@ -155,28 +155,28 @@ async def sessions(call: Call) -> list[LogInRecord]:
     Role.VIEWER,
     errors=("web.not-found", "web.accounts"),
 )
-async def revoke(call: Call, id: str) -> None:
+async def revoke(call: ServerCall, id: str) -> None:
     """Ends a log-in of the caller at once; an administrator can end any log-in."""
-    accounts = call.site.accounts
+    accounts = call.accounts
     found = [s.hash for s in accounts.sessions(_whose(call)) if s.hash[:16] == id]
     if not found:
         raise WebError.of("web.not-found", value=f"log-in {id}")
     await accounts.end(*found)
 
 
-def _own(call: Call) -> str:
+def _own(call: ServerCall) -> str:
     if not call.caller.session:
         raise WebError.of("web.not-found", value="log-in of this request")
     return call.caller.session
 
 
-def _whose(call: Call) -> str | None:
+def _whose(call: ServerCall) -> str | None:
     return None if call.caller.role is Role.ADMIN else call.caller.name
 
 
-def _with_cookie(call: Call, token: str) -> Answer[Identity]:
+def _with_cookie(call: ServerCall, token: str) -> Answer[Identity]:
     """The new identity of the caller, as an answer that sets the cookie."""
-    accounts, request = call.site.accounts, call.request
+    accounts, request = call.accounts, call.request
     found = accounts.session(digest(token))
     assert found is not None
     account = found[1]

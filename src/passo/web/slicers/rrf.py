@@ -42,7 +42,7 @@ def _without_prefix(path: str) -> str:
 async def connect(call: Call) -> Response:
     """Starts a session. The password is an API key, if there are accounts."""
     password = call.request.query_params.get("password", "")
-    if call.caller.role is Role.PUBLIC and not call.site.access.connect(call.request, password):
+    if call.caller.role is Role.PUBLIC and not call.access.connect(call.request, password):
         return json({"err": 1})
     return json({"err": 0, "sessionTimeout": 8000, "boardType": "passo", "apiLevel": 0})
 
@@ -50,7 +50,7 @@ async def connect(call: Call) -> Response:
 @operation("rrf.disconnect", "GET", "/rr_disconnect", Role.VIEWER, root="")
 async def disconnect(call: Call) -> Response:
     """Ends the session."""
-    call.site.access.connected.end(_address(call))
+    call.access.connected.end(_address(call))
     return json({"err": 0})
 
 
@@ -139,7 +139,7 @@ async def upload(call: Call) -> Response:
     except PassoError as error:
         await body.drain()
         return _failed(error)
-    call.site.access.connected.renew(_address(call), call.caller)
+    call.access.connected.renew(_address(call), call.caller)
     return json({"err": 0})
 
 
