@@ -172,6 +172,10 @@ class WebError(PassoError):
     """A request to the web interface is refused."""
 
 
+class HubError(PassoError):
+    """The hub of a farm cannot do what is asked."""
+
+
 def in_words(error: BaseException) -> PassoError:
     """Returns a PassoError unchanged, and any other error as the cause of a PassoError that reports
     a fault of the program."""

@@ -17,6 +17,7 @@ from passo.catalogue.entry import Entry, ExitStatus
 from passo.catalogue.fan import FAN
 from passo.catalogue.firmware import FIRMWARE
 from passo.catalogue.heat import HEAT, SHOWN
+from passo.catalogue.hub import HUB
 from passo.catalogue.importing import IMPORT
 from passo.catalogue.input import INPUT
 from passo.catalogue.job import JOB
@@ -55,6 +56,7 @@ CATALOGUE: Mapping[str, Entry] = {
     **LEVELLING,
     **RESONANCE,
     **STUDY,
+    **HUB,
 }
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
+from passo.hub.views import Kind
 from passo.web.summary import Summary
 
 
@@ -29,6 +30,18 @@ class RunReport:
 
     state: str
     reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class PrinterRecord:
+    """What the hub needs to reach a printer. `id` is the printer's own UUID; for a printer that has
+    none, one that the hub has made. `key` is its API key, or empty."""
+
+    id: str
+    name: str
+    url: str
+    kind: Kind
+    key: str
 
 
 class Link(Protocol):

@@ -83,6 +83,15 @@ _STATUS = {
     "upload.slow": 408,
     "upload.too-many": 503,
     "upload.offset": 409,
+    "hub.unreachable": 502,
+    "hub.refused": 409,
+    "hub.code": 409,
+    "hub.known": 409,
+    "hub.state": 409,
+    "hub.file-used": 409,
+    "hub.limited": 403,
+    "hub.no-space": 507,
+    "hub.store": 500,
 }
 
 

@@ -26,12 +26,14 @@ from passo.web.site import Site
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from starlette.requests import Request
     from starlette.types import ASGIApp
     from starlette.websockets import WebSocket
 
     from passo.web.accounts.accounts import Accounts
     from passo.web.bridge import Bridge
     from passo.web.logs import Logs
+    from passo.web.operation import Caller
     from passo.web.temperature_history import TemperatureHistory
 
 
@@ -52,12 +54,15 @@ def web_app(
     site = Site(bridge, accounts, access, uploads, metadata, temperatures, logs, *firmware, state)
     feeds, messages = Feeds(bridge), Messages()
 
+    def call(caller: Caller, request: Request) -> Call:
+        return Call(access, caller, request, site)
+
     async def feed(websocket: WebSocket) -> None:
         await serve_feed(site, feeds, messages, websocket)
 
     app = Starlette(
         routes=[
-            *routes(OPERATIONS, access, lambda *asked: Call(access, *asked, site)),
+            *routes(OPERATIONS, access, call),
             openapi.route(OPERATIONS),
             WebSocketRoute("/api/v1/feed", feed),
             *page_routes(),
