@@ -21,6 +21,7 @@ from passo.board.i2c_sensors.exchanges import ChipError
 from passo.board.trinamic.driver import DriverFailure
 from passo.catalogue import CATALOGUE, Entry, ExitStatus
 from passo.errors import InputError, PassoError, Problem
+from passo.hub.link import Refused
 from passo.levelling.least_squares import RankError
 from passo.web.answers import Fault
 from passo.web.client import RequestError
@@ -37,6 +38,7 @@ MADE: dict[type[BaseException], Callable[[], BaseException]] = {
     ChipError: lambda: ChipError("garbled", "the checksum 0x12 in place of 0x34"),
     DriverFailure: lambda: DriverFailure(PROBLEMS[0]),
     RankError: lambda: RankError(2, 3),
+    Refused: lambda: Refused("card.full", "the card is full", "Delete files"),
     RequestError: lambda: RequestError(404, FAULT),
 }
 

@@ -22,6 +22,10 @@ class Refused(Exception):
         super().__init__(text)
         self.code, self.text, self.action = code, text, action
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickles the error with its code and action."""
+        return type(self), (self.code, self.text, self.action), self.__dict__
+
 
 @dataclass(frozen=True, slots=True)
 class RunReport:
