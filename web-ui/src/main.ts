@@ -1,4 +1,5 @@
 import { mount } from "svelte";
+import "./text/printer";
 import "./styles/fonts.css";
 import "$draw/tokens.css";
 import "./styles/base.css";

@@ -57,3 +57,8 @@ export function readRefusal(status: number, text: string): Refusal {
 export function segment(name: string): string {
   return encodeURIComponent(name);
 }
+
+/** The words of a query. */
+export function query(values: Record<string, string | number>): string {
+  return new URLSearchParams(Object.entries(values).map(([key, value]) => [key, String(value)])).toString();
+}

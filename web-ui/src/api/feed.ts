@@ -1,13 +1,13 @@
-/** The WebSocket of the printer: opened again after each loss, at most every five seconds. */
-
-import type { FeedMessage } from "./messages";
+/** The WebSocket of the server: opened again after each loss, at most every five seconds. */
 
 const FIRST_WAIT_MS = 500;
 const LONGEST_WAIT_MS = 5000;
 
-export interface FeedListener {
-  message(message: FeedMessage): void;
-  /** The connection is there, or lost. */
+export interface FeedListener<Message> {
+  /** What the server is asked for, once the connection is open. */
+  hello?: object;
+  message(message: Message): void;
+  /** The first message is there, or the connection is lost. */
   connected(yes: boolean): void;
 }
 
@@ -20,23 +20,26 @@ export function feedAddress(page: string): string {
 }
 
 /** Keeps a connection open until the function that it returns is called. */
-export function openFeed(listener: FeedListener): () => void {
+export function openFeed<Message>(listener: FeedListener<Message>): () => void {
   let wait_ms = FIRST_WAIT_MS;
   let timer: ReturnType<typeof setTimeout> | undefined;
   let socket: WebSocket | undefined;
   let ended = false;
 
   function open(): void {
+    let live = false;
     const opened = new WebSocket(feedAddress(location.href));
     socket = opened;
-    opened.onopen = () => opened.send(JSON.stringify({ type: "listen", console: true }));
+    opened.onopen = () => {
+      if (listener.hello) opened.send(JSON.stringify(listener.hello));
+    };
     opened.onmessage = (event: MessageEvent<string>) => {
-      const message = JSON.parse(event.data) as FeedMessage;
-      if (message.type === "status") {
+      if (!live) {
+        live = true;
         wait_ms = FIRST_WAIT_MS;
         listener.connected(true);
       }
-      listener.message(message);
+      listener.message(JSON.parse(event.data) as Message);
     };
     opened.onclose = () => {
       listener.connected(false);

@@ -1,31 +1,23 @@
-/** Accounts, API keys, log-ins and logs, as the account may see them. */
+/** Accounts, API keys and log-ins, as the account may see them. */
 
 import { call, Refusal, segment } from "../api/client";
-import type { AccountRecord, KeyRecord, LogInRecord, LogRecord, MadeKey, SettingValue, Version } from "../api/schema";
-import { attempt, notices } from "./actions.svelte";
+import type { AccountRecord, KeyRecord, LogInRecord, MadeKey } from "../api/schema";
+import { attempt, notices } from "./notices.svelte";
 import { session, type RoleName } from "./session.svelte";
 
 class Administration {
   accounts = $state.raw<AccountRecord[]>([]);
   keys = $state.raw<KeyRecord[]>([]);
   logIns = $state.raw<LogInRecord[]>([]);
-  logs = $state.raw<LogRecord[]>([]);
-  places = $state.raw<string[]>([]);
-  settings = $state.raw<SettingValue[]>([]);
-  version = $state.raw<Version>();
   /** A key that was made just now; it is shown this once. */
   made = $state.raw<MadeKey>();
   /** What waits for the password. */
   waiting = $state.raw<() => Promise<unknown>>();
 
   async load(): Promise<void> {
-    const [admin, operator] = [session.may("admin"), session.may("operator")];
-    [this.version, this.settings, this.logIns, this.logs, this.places, this.accounts, this.keys] = await Promise.all([
-      call<Version>("GET", "version"),
-      call<SettingValue[]>("GET", "settings"),
+    const admin = session.may("admin");
+    [this.logIns, this.accounts, this.keys] = await Promise.all([
       call<LogInRecord[]>("GET", "sessions"),
-      operator ? call<LogRecord[]>("GET", "logs") : [],
-      operator ? call<string[]>("GET", "places") : [],
       admin ? call<AccountRecord[]>("GET", "accounts") : [],
       admin ? call<KeyRecord[]>("GET", "keys") : [],
     ]);
@@ -43,8 +35,6 @@ class Administration {
   revokeLogIn = (id: string) => this.#do(() => call("DELETE", `sessions/${segment(id)}`));
   changePassword = (old: string, password: string) =>
     this.#do(() => call("PUT", "session/password", { old, new: password }));
-  store = () => this.#do(() => call("POST", "settings/store"));
-  resetSettings = () => this.#do(() => call("POST", "settings/reset"));
 
   /** Enters the password again, and does what waits for it. */
   async confirm(password: string): Promise<void> {

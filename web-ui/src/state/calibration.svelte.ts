@@ -3,7 +3,7 @@
 import { call, Refusal } from "../api/client";
 import type { BedMap, SettingValue, Thermistor, ThermistorFit } from "../api/schema";
 import type { Key } from "../text/index.svelte";
-import { attempt, notices } from "./actions.svelte";
+import { attempt, notices } from "./notices.svelte";
 import { printer } from "./printer.svelte";
 
 /** The tasks are those that have a text about what they do. */

@@ -4,7 +4,7 @@ import { call, Refusal } from "../api/client";
 import type { Applied, Difference, KeyValue, MachineFile, MachineProblem, SavedMachine, ShippedFile, ShippedMachine, Validation } from "../api/schema";
 import { literals, valueOf, withKey } from "../machine/toml";
 import type { Schema } from "../machine/schema";
-import { attempt } from "./actions.svelte";
+import { attempt } from "./notices.svelte";
 import { printer } from "./printer.svelte";
 import { session } from "./session.svelte";
 

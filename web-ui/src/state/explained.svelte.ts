@@ -1,8 +1,7 @@
 /** What one line of G-code becomes. */
 
-import { call, Refusal } from "../api/client";
+import { call, query, Refusal } from "../api/client";
 import type { Explanation, FaultStatus } from "../api/schema";
-import { query } from "./files.svelte";
 
 class Explained {
   told = $state.raw<Explanation>();

@@ -1,8 +1,8 @@
 /** The files of the card: one folder of them, and what is known of each. */
 
-import { call } from "../api/client";
+import { call, query } from "../api/client";
 import type { FileEntry, Folder, Metadata, Picture } from "../api/schema";
-import { attempt } from "./actions.svelte";
+import { attempt } from "./notices.svelte";
 
 const AGAIN_MS = 1500; // while a plan is being made
 const PROGRAM = /\.(gcode|g|gc|gco|nc|ngc|cnc|tap)$/i;
@@ -29,11 +29,6 @@ export function freeName(name: string, others: readonly string[]): string {
 /** The largest picture that a browser can show. */
 export function largest(pictures: readonly Picture[]): Picture | undefined {
   return pictures.filter(({ type }) => type !== "image/qoi").sort((a, b) => b.width - a.width)[0];
-}
-
-/** The words of a query. */
-export function query(values: Record<string, string | number>): string {
-  return new URLSearchParams(Object.entries(values).map(([key, value]) => [key, String(value)])).toString();
 }
 
 class Files {

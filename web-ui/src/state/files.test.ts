@@ -1,5 +1,6 @@
 import { expect, test } from "vitest";
-import { freeName, isProgram, query, within } from "./files.svelte";
+import { query } from "../api/client";
+import { freeName, isProgram, within } from "./files.svelte";
 
 test("a path has one slash between its parts", () => {
   expect(within("/", "a.gcode")).toBe("/a.gcode");

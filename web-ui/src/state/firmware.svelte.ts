@@ -3,7 +3,7 @@
 import { call } from "../api/client";
 import type { Boards, Build, Flash, Port } from "../api/schema";
 import { administration } from "./accounts.svelte";
-import { attempt } from "./actions.svelte";
+import { attempt } from "./notices.svelte";
 import { session } from "./session.svelte";
 
 const AGAIN_MS = 1000; // while a build runs, or a board is flashed

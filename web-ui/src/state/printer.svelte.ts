@@ -4,6 +4,7 @@ import { openFeed } from "../api/feed";
 import { merge } from "../api/merge";
 import type { FeedLine, FeedMessage, PrinterEvent } from "../api/messages";
 import type { HeaterStatus, Status } from "../api/schema";
+import { connection } from "./connection.svelte";
 import { session } from "./session.svelte";
 
 type EventListener = (event: PrinterEvent) => void;
@@ -12,24 +13,31 @@ type LineListener = (line: FeedLine) => void;
 class Printer {
   /** Undefined until the first status has arrived. */
   status = $state<Status>();
-  connected = $state(false);
-  /** When the last message arrived. */
-  heard = $state(new Date());
   #listeners = new Set<EventListener>();
   #lineListeners = new Set<LineListener>();
 
   /** Follows the printer until the function that it returns is called. */
   follow(): () => void {
-    return openFeed({
+    return openFeed<FeedMessage>({
+      hello: { type: "listen", console: true },
       message: (message) => this.take(message),
       connected: (yes) => {
-        this.connected = yes;
+        connection.live = yes;
       },
     });
   }
 
+  get connected(): boolean {
+    return connection.live;
+  }
+
+  /** When the last message arrived. */
+  get heard(): Date {
+    return connection.heard;
+  }
+
   take(message: FeedMessage): void {
-    this.heard = new Date();
+    connection.message();
     if (message.type === "status") {
       this.status = message.status;
     } else if (message.type === "changes" && this.status) {

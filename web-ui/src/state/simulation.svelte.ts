@@ -2,7 +2,7 @@
 
 import { call, segment } from "../api/client";
 import type { SimulatedPart } from "../api/schema";
-import { attempt } from "./actions.svelte";
+import { attempt } from "./notices.svelte";
 
 class Simulation {
   /** Empty where the boards are real. */

@@ -1,7 +1,8 @@
 /** Files that the user has given: those whose name is taken wait for a decision. */
 
-import { attempt } from "./actions.svelte";
-import { files, freeName } from "./files.svelte";
+import { attempt } from "./notices.svelte";
+import { query } from "../api/client";
+import { files, freeName, within } from "./files.svelte";
 import { uploads } from "./uploads.svelte";
 
 class Choice {
@@ -14,12 +15,12 @@ class Choice {
     // The page may not have shown this folder yet, or others may have changed it since.
     if (!(await attempt(files.names().then((names) => (this.#names = names))))) return;
     const taken = (file: File) => this.#names.includes(file.name);
-    for (const file of given) if (!taken(file)) uploads.add(file);
+    for (const file of given) if (!taken(file)) this.#add(file);
     this.taken = given.filter(taken);
   }
 
   replace(): void {
-    for (const file of this.taken) uploads.add(file);
+    for (const file of this.taken) this.#add(file);
     this.taken = [];
   }
 
@@ -27,13 +28,22 @@ class Choice {
     for (const file of this.taken) {
       const name = freeName(file.name, this.#names);
       this.#names.push(name);
-      uploads.add(file, name);
+      this.#add(file, name);
     }
     this.taken = [];
   }
 
   leave(): void {
     this.taken = [];
+  }
+
+  /** Puts a file into the folder that is open. */
+  #add(file: File, name = file.name): void {
+    const path = within(files.folder, name);
+    uploads.add(file, name, ["PUT", `files/content?${query({ path })}`], async () => {
+      await files.load().catch(() => undefined);
+      files.selected = path;
+    });
   }
 }
 

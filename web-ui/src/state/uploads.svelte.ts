@@ -1,30 +1,32 @@
-/** Uploads to the card, one after the other. */
+/** Uploads, one after the other. */
 
 import { readRefusal, ROOT } from "../api/client";
 import type { FaultStatus } from "../api/schema";
-import { files, query, within } from "./files.svelte";
 
 export interface Upload {
   id: number;
   name: string;
-  path: string;
+  /** Where it goes: the method and the path of the API. */
+  to: readonly ["PUT" | "POST", string];
   size: number;
   sent: number;
   state: "waiting" | "sending" | "done" | "failed" | "cancelled";
   fault?: FaultStatus;
 }
 
+/** Takes what the server has answered to an upload. */
+type Arrived = (answer: string) => unknown;
+
 class Uploads {
   list = $state<Upload[]>([]);
-  #files = new Map<number, File>();
+  #files = new Map<number, { file: File; arrived: Arrived }>();
   #next = 0;
   #request: { id: number; cancel: () => void } | undefined;
 
-  /** Puts a file into the folder that is open. */
-  add(file: File, name = file.name): void {
+  add(file: File, name: string, to: Upload["to"], arrived: Arrived): void {
     const id = this.#next++;
-    this.#files.set(id, file);
-    this.list.push({ id, name, path: within(files.folder, name), size: file.size, sent: 0, state: "waiting" });
+    this.#files.set(id, { file, arrived });
+    this.list.push({ id, name, to, size: file.size, sent: 0, state: "waiting" });
     void this.#work();
   }
 
@@ -56,10 +58,10 @@ class Uploads {
     if (this.#request) return;
     for (;;) {
       const upload = this.list.find(({ state }) => state === "waiting");
-      const file = upload && this.#files.get(upload.id);
-      if (!upload || !file) return;
+      const given = upload && this.#files.get(upload.id);
+      if (!upload || !given) return;
       upload.state = "sending";
-      const fault = await this.#send(upload, file);
+      const { fault, answer } = await this.#send(upload, given.file);
       this.#request = undefined;
       if (this.#find(upload.id)?.state === "cancelled") continue;
       if (fault) {
@@ -67,29 +69,28 @@ class Uploads {
         upload.state = "failed";
       } else {
         upload.state = "done";
-        await files.load().catch(() => undefined);
-        files.selected = upload.path;
+        await given.arrived(answer);
         const { id } = upload;
         setTimeout(() => this.forget(id), 4000);
       }
     }
   }
 
-  /** What is wrong, if the file has not arrived. */
-  #send(upload: Upload, file: File): Promise<FaultStatus | undefined> {
+  /** What the server answers, or what is wrong if the file has not arrived. */
+  #send(upload: Upload, file: File): Promise<{ answer: string; fault?: FaultStatus }> {
     const request = new XMLHttpRequest(); // fetch does not report how much is sent
     this.#request = { id: upload.id, cancel: () => request.abort() };
-    request.open("PUT", `${ROOT}files/content?${query({ path: upload.path })}`);
+    request.open(upload.to[0], ROOT + upload.to[1]);
     request.setRequestHeader("X-Passo-Request", "1");
     request.setRequestHeader("Content-Type", "application/octet-stream");
     return new Promise((resolve) => {
       request.upload.onprogress = (event) => (upload.sent = event.loaded);
       request.onload = () => {
-        const { status, responseText } = request;
-        resolve(status < 300 ? undefined : readRefusal(status, responseText).fault);
+        const { status, responseText: answer } = request;
+        resolve(status < 300 ? { answer } : { answer, fault: readRefusal(status, answer).fault });
       };
-      request.onerror = () => resolve(readRefusal(0, "").fault);
-      request.onabort = () => resolve(undefined);
+      request.onerror = () => resolve({ answer: "", fault: readRefusal(0, "").fault });
+      request.onabort = () => resolve({ answer: "" });
       request.send(file);
     });
   }

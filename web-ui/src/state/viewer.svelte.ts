@@ -1,9 +1,8 @@
 /** The path that the viewer shows, and which part of it. */
 
-import { call, Refusal } from "../api/client";
+import { call, query, Refusal } from "../api/client";
 import type { FaultStatus, Metadata } from "../api/schema";
 import { colouring, type Colouring, type Mode } from "../viewer/colours";
-import { query } from "./files.svelte";
 import { machine } from "./machine.svelte";
 import { readToolpath, type Toolpath } from "../viewer/toolpath";
 

@@ -1,4 +1,5 @@
 import { expect, test } from "vitest";
+import "./printer";
 import { actionOf, inButtons, inLine } from "./faults";
 
 test.each([

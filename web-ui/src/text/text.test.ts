@@ -1,7 +1,12 @@
 import { expect, test } from "vitest";
-import en from "./en.json";
-import it from "./it.json";
+import commonEn from "./common/en.json";
+import commonIt from "./common/it.json";
+import farmEn from "./farm/en.json";
+import farmIt from "./farm/it.json";
 import { keyOf, t } from "./index.svelte";
+import "./printer";
+import printerEn from "./printer/en.json";
+import printerIt from "./printer/it.json";
 import { bytes, celsius, clockTime, duration, millimetres, percent, short } from "./units";
 
 test("values are put into a text", () => {
@@ -10,12 +15,21 @@ test("values are put into a text", () => {
   );
 });
 
-test("each language has each text, with the same values", () => {
-  const values = (text: string) => (text.match(/\{\w+\}/g) ?? []).sort();
+test.each<[string, Record<string, string>, Record<string, string>]>([
+  ["common", commonEn, commonIt],
+  ["printer", printerEn, printerIt],
+  ["farm", farmEn, farmIt],
+])("each language has each text of %s, with the same values", (_, en, it) => {
+  const values = (text = "") => (text.match(/\{\w+\}/g) ?? []).sort();
   expect(Object.keys(it).sort()).toEqual(Object.keys(en).sort());
   for (const [key, text] of Object.entries(it)) {
-    expect(values(text), key).toEqual(values(en[key as keyof typeof en]));
+    expect(values(text), key).toEqual(values(en[key]));
   }
+});
+
+test("no text is in two catalogues of a page", () => {
+  const twice = Object.keys(commonEn).filter((key) => key in printerEn || key in farmEn);
+  expect(twice).toEqual([]);
 });
 
 test("a name that has no text has no key", () => {

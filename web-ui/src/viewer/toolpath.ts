@@ -1,7 +1,6 @@
 /** The path of a file as columns, decoded: docs/reference/toolpath.md. */
 
-import { readRefusal, ROOT } from "../api/client";
-import { query } from "../state/files.svelte";
+import { query, readRefusal, ROOT } from "../api/client";
 
 export const JUMP = 0;
 export const TRAVEL = 1;
