@@ -30,6 +30,7 @@ PAGES = {
     "gcode.md": commands.reference,
     "klipper-sections.md": klipper_reference.reference,
     "http.md": http_api.reference,
+    "hub-http.md": http_api.hub_reference,
     "marlin-defines.md": marlin_reference.reference,
     "reprapfirmware-commands.md": rrf_reference.reference,
     "machine-file.md": machine_file.reference,
@@ -38,6 +39,7 @@ PAGES = {
     "study-file.md": study_file.reference,
     "../../src/passo/web/client.pyi": client_stub.stub,
     "../../web-ui/src/api/schema.ts": page_types.page_types,
+    "../../web-ui/src/farm/schema.ts": page_types.farm_types,
 }
 
 

@@ -1,16 +1,17 @@
-"""The reference page of the HTTP interface, made from the table of operations."""
+"""The reference pages of the HTTP interfaces, made from their tables of operations."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, cast
 
 from msgspec.json import schema_components
 
+from passo.hub import operations as farm
+from passo.web import operations as printer
 from passo.web.answers import JSON
 from passo.web.openapi import PATH, statuses
 from passo.web.operation import Operation
-from passo.web.operations import OPERATIONS
 
 _HEAD = f"""# HTTP interface
 
@@ -65,14 +66,48 @@ read for 5 s.
 """
 
 
+_HUB_HEAD = f"""# HTTP interface of the hub
+
+Made from the table of operations (`passo.hub.operations`). `passo hub` serves it at
+`http://127.0.0.1:4100`; the same as an OpenAPI 3.1 description is at `{PATH}`. Requests, answers,
+errors, roles, log-ins and keys are those of [a printer](http.md). An account that is limited to
+tags sees and commands only printers with one of them; others do not exist for it.
+
+## The feed
+
+`/api/v1/feed` is a WebSocket (role viewer). Each message is a JSON object with a `type`:
+
+| type | sent | fields |
+|---|---|---|
+| `farm` | first, and to a client that reads too slowly | `farm`: [Farm](#farm) |
+| `changes` | at changes, at most once a second | the fields below |
+
+| field of `changes` | content |
+|---|---|
+| `printers`, `jobs` | those that have changed, as a whole |
+| `gone` | ids of printers and jobs that have been removed |
+| `groups` | all power groups; null if none has changed |
+| `queue_paused` | whether nothing starts |
+
+The printers of one message have at most 80 kB together: those whose state has changed come first,
+and those with new temperatures or progress follow in the next message. The feed closes with 1008
+when the log-in ends or its limit changes.
+"""
+
+
 def reference() -> str:
-    """The page, in Markdown."""
-    return _HEAD + "\n".join(_lines()) + "\n"
+    """The page of a printer, in Markdown."""
+    return _HEAD + "\n".join(_lines(printer.OPERATIONS)) + "\n"
 
 
-def _lines() -> Iterator[str]:
+def hub_reference() -> str:
+    """The page of the hub, in Markdown."""
+    return _HUB_HEAD + "\n".join(_lines(farm.OPERATIONS)) + "\n"
+
+
+def _lines(listed: Sequence[Operation]) -> Iterator[str]:
     groups: dict[str, list[Operation]] = {}
-    for operation in OPERATIONS:
+    for operation in listed:
         if not operation.compatible:
             groups.setdefault(operation.group, []).append(operation)
     kinds: list[Any] = []

@@ -1,14 +1,17 @@
-"""The types of the page, in TypeScript, made from the description of the interface:
-`web-ui/src/api/schema.ts`."""
+"""The types of the pages, in TypeScript, made from the descriptions of the interfaces:
+`web-ui/src/api/schema.ts` of a printer, `web-ui/src/farm/schema.ts` of a farm."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from textwrap import wrap
 from typing import Any, TypeAlias, cast
 
+from passo.hub import operations as farm
+from passo.web import operations as printer
 from passo.web.openapi import description
-from passo.web.operations import OPERATIONS
+from passo.web.operation import Operation
 
 Tree: TypeAlias = dict[str, Any]
 _HEAD = """/** The types of the API, made from its table of operations: make reference. Numbers that
@@ -24,8 +27,17 @@ _NAMES = {
 
 
 def page_types() -> str:
-    """The text of the file."""
-    schemas: dict[str, Tree] = description(OPERATIONS)["components"]["schemas"]
+    """The text of the file for the page of a printer."""
+    return _types(printer.OPERATIONS)
+
+
+def farm_types() -> str:
+    """The text of the file for the page of a farm."""
+    return _types(farm.OPERATIONS)
+
+
+def _types(operations: Sequence[Operation]) -> str:
+    schemas: dict[str, Tree] = description(operations)["components"]["schemas"]
     return _HEAD + "".join(f"\n{_declared(name, schemas[name])}" for name in sorted(schemas))
 
 

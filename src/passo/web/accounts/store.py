@@ -30,8 +30,9 @@ class Store:
     """The file `accounts.sqlite` in a folder, readable only by its owner. Without a folder,
     accounts exist only in memory. The changes of `write` survive a power cut."""
 
-    def __init__(self, folder: Path | None) -> None:
-        """Raises WebError if the file cannot be used."""
+    def __init__(self, folder: Path | None, *, more: str = "") -> None:
+        """`more` are the statements that make further tables. Raises WebError if the file cannot be
+        used."""
         self._thread = ThreadPoolExecutor(1, "accounts")
         self._base: sqlite3.Connection | None = None
         if folder is None:
@@ -40,7 +41,7 @@ class Store:
         try:
             folder.mkdir(parents=True, exist_ok=True)
             os.close(os.open(path, os.O_CREAT | os.O_RDWR, 0o600))
-            self._base = self._thread.submit(_opened, path).result()
+            self._base = self._thread.submit(_opened, path, more).result()
         except (sqlite3.Error, OSError) as error:
             self._thread.shutdown()
             raise WebError.of("web.accounts", str(path), value=error) from None
@@ -85,12 +86,12 @@ class Store:
         self._thread.shutdown()
 
 
-def _opened(path: Path) -> sqlite3.Connection:
+def _opened(path: Path, more: str) -> sqlite3.Connection:
     base = sqlite3.connect(path)
     try:
         base.execute("pragma journal_mode = wal")
         base.execute("pragma synchronous = full")
-        base.executescript(_SCHEMA)
+        base.executescript(_SCHEMA + more)
     except sqlite3.Error:
         base.close()
         raise
