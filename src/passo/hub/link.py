@@ -10,6 +10,9 @@ from typing import Protocol
 from passo.hub.views import Kind
 from passo.web.summary import Summary
 
+# Seconds after the last word of a printer until its link gives it up. Each link sends heartbeats.
+SILENT_S = 30.0
+
 
 class Unreachable(Exception):
     """No answer: the request may or may not have reached the printer."""
@@ -25,6 +28,11 @@ class Refused(Exception):
     def __reduce__(self) -> tuple[object, ...]:
         """Pickles the error with its code and action."""
         return type(self), (self.code, self.text, self.action), self.__dict__
+
+
+class StartUnknown(Exception):
+    """The printer is there, but it cannot tell whether it has received a start, or what became of
+    it: its firmware keeps no ids of runs. A person must look."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +62,7 @@ class Link(Protocol):
 
     async def follow(self, seen: Callable[[Summary], None]) -> None:
         """Calls `seen` with the printer's summary at once and at each change, until the connection
-        ends: then it raises Unreachable."""
+        ends: then it raises Unreachable, at most `SILENT_S` after the printer's last word."""
         ...
 
     async def upload(self, content: Path, name: str, sha256: str) -> str:
@@ -68,7 +76,7 @@ class Link(Protocol):
 
     async def report(self, run: str) -> RunReport | None:
         """What has become of a run; None if the printer knows for certain that it has never
-        received this start."""
+        received this start. Raises StartUnknown if the printer cannot know."""
         ...
 
     async def pause(self, user: str) -> None:
