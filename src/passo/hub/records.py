@@ -1,10 +1,11 @@
-"""What the hub stores: printers, jobs, runs, maintenance items. Times are seconds since 1970. Files
-and power groups are stored as they are shown."""
+"""What the hub stores, besides files, which are stored as they are shown. Times are seconds since
+1970."""
 
 from __future__ import annotations
 
 from msgspec import Struct
 
+from passo.hub.link import PrinterRecord
 from passo.hub.run_state import RunState
 from passo.hub.views import Kind, Loaded
 
@@ -36,15 +37,22 @@ class PrinterRow(Struct, frozen=True):
     filament_mm: float = 0.0
     added_s: float = 0.0
 
+    @property
+    def record(self) -> PrinterRecord:
+        """What a link needs."""
+        return PrinterRecord(self.id, self.name, self.url, self.kind, self.key)
+
 
 class JobRow(Struct, frozen=True):
-    """A job; `number` orders jobs by their arrival. A job is open until `over_s` is set."""
+    """A job; `number` orders jobs by their arrival. `given` copies have a run that gives nothing
+    back. A job is open until `over_s` is set."""
 
     id: str
     number: int
     file: str
     name: str
     quantity: int
+    given: int = 0
     priority: int = 0
     needs: Loaded = Loaded()
     tags: tuple[str, ...] = ()
@@ -83,8 +91,8 @@ class RunRow(Struct, frozen=True):
 
 
 class ServiceRow(Struct, frozen=True):
-    """A maintenance item of a printer, due after so many hours of printing, prints or mm of filament
-    since it was done last. The `at_` values are the printer's totals at that time."""
+    """A maintenance item of a printer, due after so many hours of printing, prints or mm of
+    filament since its last time. The `at_` values are the printer's totals at that time."""
 
     printer: str
     item: str
@@ -96,3 +104,17 @@ class ServiceRow(Struct, frozen=True):
     at_s: float = 0.0
     at_prints: int = 0
     at_mm: float = 0.0
+
+
+class GroupRow(Struct, frozen=True):
+    """A power group."""
+
+    name: str
+    limit_w: float
+
+
+class SettingRow(Struct, frozen=True):
+    """A setting of the whole farm."""
+
+    name: str
+    value: str
