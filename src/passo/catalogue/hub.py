@@ -29,6 +29,10 @@ HUB: Mapping[str, Entry] = {
     "hub.file-used": _hub(
         "{value} is needed by {limit} jobs that are not done", "Cancel these jobs first"
     ),
+    "hub.power": _hub(
+        "{axis} takes {value} W while it heats, and its power group allows {limit} W",
+        "Raise the limit of the group, or choose another group",
+    ),
     "hub.limited": _hub(
         "{value} may not use {axis}",
         "Ask an administrator of the farm to add one of its tags to the account",

@@ -32,6 +32,7 @@ class Contact:
         self.connected = False
         self.received = 0  # summaries
         self._lost_s: float | None = None
+        self._lost_wall_s: float | None = None
 
     @property
     def now(self) -> Summary | None:
@@ -43,11 +44,17 @@ class Contact:
         self.seen, self.connected, self._lost_s = seen, True, None
         self.received += 1
 
-    def lose(self, now_s: float) -> None:
-        """The connection is lost."""
+    def lose(self, now_s: float, wall_s: float) -> None:
+        """The connection is lost, or could not be made."""
         self.connected = False
         if self._lost_s is None:
             self._lost_s = now_s
+            self._lost_wall_s = wall_s if self.seen is not None else None
+
+    def last_word_s(self, now_s: float) -> float | None:
+        """When an unreachable printer was last connected, since 1970; None if it is reachable, or
+        was not seen by this program."""
+        return self._lost_wall_s if self.condition(now_s) == "unreachable" else None
 
     def condition(self, now_s: float) -> Condition:
         """What the farm shows. An unreachable printer is never idle."""

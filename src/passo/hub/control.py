@@ -98,7 +98,7 @@ class FarmControl(Protocol):
         ...
 
     async def cancel_job(self, job: str, user: str) -> None:
-        """Starts nothing more of a job; its running prints go on."""
+        """Ends a job: nothing more of it starts, and its prints are cancelled."""
         ...
 
     async def pause_queue(self, paused: bool, user: str) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from math import inf
 
 from passo.hub.contact import Contact, bed_is_clear
@@ -14,6 +14,7 @@ from passo.hub.records import JobRow, PrinterRow, RunRow
 from passo.hub.run_book import RunBook
 from passo.hub.run_state import RunState
 from passo.hub.store import Store
+from passo.hub.views import Loaded
 
 _S = RunState
 _EARLY = (_S.ASSIGNED, _S.UPLOADING, _S.UPLOADED)  # nothing is started yet
@@ -35,7 +36,7 @@ class Dispatcher:
         if self._store.queue_paused:
             return
         self._assign(now_s)
-        self._start()
+        self._start(now_s)
 
     def why(self, jobs: list[JobRow]) -> dict[str, str]:
         """Why nothing of a job begins now; empty if nothing waits."""
@@ -109,6 +110,8 @@ class Dispatcher:
     def _order(self, job: JobRow) -> Order:
         runs = self._store.runs_of(job.id).values()
         given = frozenset(run.printer for run in runs if not run.gives_back)
+        file = self._store.files[job.file]
+        material = file.materials[0] if len(set(file.materials)) == 1 else ""
         return Order(
             job.id,
             job.number,
@@ -117,6 +120,7 @@ class Dispatcher:
             job.priority,
             job.due_s,
             job.needs,
+            Loaded(material=material, nozzle_mm=file.nozzle_mm),
             frozenset(job.tags),
             bool(job.each),
             frozenset(job.each) - given,
@@ -147,11 +151,8 @@ class Dispatcher:
             if printer.power_group
         ]
 
-    def _start(self) -> None:
-        ready = sorted(
-            (run for run in self._ready() if self._tasks[run.printer].contact.connected),
-            key=self._turn,
-        )
+    def _start(self, now_s: float) -> None:
+        ready = sorted(self._ready(now_s), key=self._turn)
         if not ready:
             return
         starts = [
@@ -167,9 +168,13 @@ class Dispatcher:
                 self._book.starting(row, task.contact.now)
                 task.admit(self._store.runs[run])
 
-    def _ready(self) -> list[RunRow]:
-        runs = (self._store.active_run(printer) for printer in self._store.printers)
-        return [run for run in runs if run is not None and run.state is _S.UPLOADED]
+    def _ready(self, now_s: float) -> Iterator[RunRow]:
+        for printer in self._store.printers.values():
+            run = self._store.active_run(printer.id)
+            if run is not None and run.state is _S.UPLOADED:
+                contact = self._tasks[printer.id].contact
+                if not self._taken(printer, contact, now_s):
+                    yield run
 
     def _turn(self, run: RunRow) -> tuple[int, float, int, float, str]:
         job = self._store.jobs[run.job]

@@ -18,8 +18,6 @@ from passo.hub.store import RUNS, Store
 
 _S = RunState
 _OVER = {"done": _S.DONE, "cancelled": _S.CANCELLED, "failed": _S.FAILED}
-UNKNOWN_START = "Nobody knows whether {name} has started: look at the printer"
-_UNKNOWN_END = "Nobody knows what became of {name}: look at the printer"
 
 
 class HandOver:
@@ -38,6 +36,7 @@ class HandOver:
         """`content` is the path of a file, by its SHA-256."""
         self._printer, self._link, self._contact = printer, link, contact
         self._store, self._book, self._content = store, book, content
+        self._unknown = ""  # the run of which a user must say whether it has started
         self._unsent = ""  # the run whose start was stored by this program, and not sent yet
         self._figures: tuple[str, Figures] = ("", Figures())
         self._cancelled = ""  # the run that was cancelled through this connection
@@ -51,6 +50,10 @@ class HandOver:
     def admit(self, run: RunRow) -> None:
         """The start of a run is stored; it is sent for the first time by the next step."""
         self._unsent = run.id
+
+    def unknown(self, run: RunRow) -> bool:
+        """Whether nobody knows if this run has started."""
+        return self._unknown == run.id
 
     async def step(self) -> None:
         """Does what is next for the run of the printer."""
@@ -97,7 +100,8 @@ class HandOver:
             report = await self._link.report(run.id)
         except StartUnknown:
             if self._current(run, _S.STARTING) is not None:
-                self._need(UNKNOWN_START.format(name=run.name))
+                self._unknown = run.id
+                self._need(f"Nobody knows whether {run.name} has started: look at the printer")
             return False
         if (now := self._current(run, _S.STARTING)) is None:
             return False
@@ -135,9 +139,6 @@ class HandOver:
             report = await self._link.report(run.id)
         except StartUnknown:
             report = self._report_by_name(run)
-            if report is None:
-                self._need(_UNKNOWN_END.format(name=run.name))
-                return
         if (now := self._current(run, _S.PRINTING)) is None:
             return
         if report is None:

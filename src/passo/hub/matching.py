@@ -36,8 +36,9 @@ class Place:
 @dataclass(frozen=True, slots=True)
 class Order:
     """An open job that waits for `copies` more prints. `number` is its place in the order of
-    arrival. `each` are the printers that must still print it, in place of a free choice, if
-    `by_each`. `failed_on` are printers on which a run of it has failed."""
+    arrival. `says` is what the slicer has written about the file. `each` are the printers that must
+    still print it, in place of a free choice, if `by_each`. `failed_on` are printers on which a run
+    of it has failed."""
 
     id: str
     number: int
@@ -46,6 +47,7 @@ class Order:
     priority: int = 0
     due_s: float | None = None
     needs: Loaded = _ANY
+    says: Loaded = _ANY
     tags: frozenset[str] = frozenset()
     by_each: bool = False
     each: frozenset[str] = frozenset()
@@ -127,7 +129,7 @@ def _obstacle(order: Order, place: Place, fits: Fits, each: frozenset[str]) -> s
     missing = order.tags - place.tags
     if missing:
         return f"tag {min(missing)} is missing"
-    lack = lacks(order.needs, place.loaded)
+    lack = lacks(order.needs, place.loaded) or _differs(order, place.loaded)
     if lack is not None:
         return lack
     fit = fits(order.file, place.id)
@@ -145,8 +147,27 @@ def lacks(needs: Loaded, loaded: Loaded) -> str | None:
     ):
         if wanted and wanted.casefold() != there.casefold():
             return f"{kind} {wanted} is not loaded"
-    if needs.nozzle_mm is not None and (
-        loaded.nozzle_mm is None or abs(needs.nozzle_mm - loaded.nozzle_mm) > _NOZZLE_MM
+    nozzle_mm = needs.nozzle_mm
+    if nozzle_mm is None or _equal(nozzle_mm, loaded.nozzle_mm):
+        return None
+    return f"the nozzle is not {nozzle_mm:g} mm"
+
+
+def _differs(order: Order, loaded: Loaded) -> str | None:
+    """What a printer states otherwise than the slicer, where the job itself asks for nothing."""
+    material = order.says.material
+    if (
+        material
+        and loaded.material
+        and not order.needs.material
+        and material.casefold() != loaded.material.casefold()
     ):
-        return f"the nozzle is not {needs.nozzle_mm:g} mm"
-    return None
+        return f"the file is for {material}"
+    nozzle_mm = order.says.nozzle_mm
+    if nozzle_mm is None or loaded.nozzle_mm is None or order.needs.nozzle_mm is not None:
+        return None
+    return None if _equal(nozzle_mm, loaded.nozzle_mm) else f"the file is for {nozzle_mm:g} mm"
+
+
+def _equal(wanted_mm: float, there_mm: float | None) -> bool:
+    return there_mm is not None and abs(wanted_mm - there_mm) <= _NOZZLE_MM

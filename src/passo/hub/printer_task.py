@@ -38,13 +38,14 @@ class PrinterTask:
         gate: Semaphore,
         chance: Random,
         changed: Callable[[bool], None],
+        wall_s: Callable[[], float],
     ) -> None:
         """`gate` limits the connections that begin at the same time; `chance` spreads them."""
         self.contact = Contact()
         self.link = link
         self._printer, self._store = printer, store
         self._hand_over = hand_over(link, self.contact)
-        self._gate, self._chance, self._changed = gate, chance, changed
+        self._gate, self._chance, self._changed, self._wall_s = gate, chance, changed, wall_s
         self._woken = asyncio.Event()
         self._failures = 0
         self._task = asyncio.get_running_loop().create_task(self._run(), name=f"printer {printer}")
@@ -57,6 +58,10 @@ class PrinterTask:
         """The start of a run is stored, and is to be sent."""
         self._hand_over.admit(run)
         self._woken.set()
+
+    def start_unknown(self, run: RunRow | None) -> bool:
+        """Whether a user must say if this run has started."""
+        return run is not None and run.state is RunState.STARTING and self._hand_over.unknown(run)
 
     def heating(self, run: RunRow | None) -> bool:
         """Whether the printer takes its full power; `run` is its run."""
@@ -121,7 +126,7 @@ class PrinterTask:
         try:
             await self.link.follow(seen)
         finally:
-            self.contact.lose(loop.time())
+            self.contact.lose(loop.time(), self._wall_s())
             loop.call_later(LOST_S, self._changed, True)
             self._changed(True)
 

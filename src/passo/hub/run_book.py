@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 
@@ -113,9 +113,10 @@ class RunBook:
             self._give(change, job, run, again)
 
     def withdraw(self, run: RunRow, reason: str, user: str = "") -> None:
-        """Ends a run that has printed nothing; another one prints its copy."""
+        """Ends a run that has printed nothing; another one prints its copy, unless a user has
+        cancelled it."""
         job = self._store.jobs[run.job]
-        again = not job.cancelled
+        again = not job.cancelled and not run.cancelled_by
         with self._change(run, user, f"The run leaves {self._name(run)}: {reason}") as change:
             change.move(
                 run,
@@ -130,25 +131,41 @@ class RunBook:
     def cancel(self, run: RunRow, user: str) -> None:
         """A user does not want this run. If its start may have been sent, this is a wish: the
         printer must confirm the end."""
-        with self._change(run, user, f"The run on {self._name(run)} is to be cancelled") as change:
-            if run.state in (_S.STARTING, _S.PRINTING):
-                change.set(run, cancelled_by=user)
-                return
-            change.move(run, run.state, _S.CANCELLED, ended_s=self._wall_s(), cancelled_by=user)
-            self._give(change, self._store.jobs[run.job], run, False)
+        with self._change(run, user, f"{self._name(run)} is to cancel its run") as change:
+            self._cancel(change, self._store.jobs[run.job], run, user)
 
-    def close(self, change: Change, job: JobRow, but: str = "") -> None:
-        """Ends a job if nothing of it is left to do. `but` is a run that ends in this change."""
+    def cancel_job(self, job: JobRow, user: str) -> None:
+        """A user does not want this job: nothing more of it starts, and its runs are cancelled."""
+        with self._store.change(user, f"Job {job.number} is cancelled", job=job.id) as change:
+            job = change.set(job, cancelled=True)
+            over: set[str] = set()
+            for run in self._store.runs_of(job.id).values():
+                if not run.state.over and self._cancel(change, None, run, user):
+                    over.add(run.id)
+            self.close(change, job, over)
+
+    def _cancel(self, change: Change, job: JobRow | None, run: RunRow, user: str) -> bool:
+        """Cancels a run, and ends its job with it; returns whether the run is over."""
+        if run.state in (_S.STARTING, _S.PRINTING):
+            change.set(run, cancelled_by=user)
+            return False
+        change.move(run, run.state, _S.CANCELLED, ended_s=self._wall_s(), cancelled_by=user)
+        if job is not None:
+            self._give(change, job, run, False)
+        return True
+
+    def close(self, change: Change, job: JobRow, but: Collection[str] = ()) -> None:
+        """Ends a job if nothing of it is left to do. `but` are runs that end in this change."""
         if not job.cancelled and job.given < job.quantity:
             return
         runs = self._store.runs_of(job.id).values()
-        if all(run.state.over or run.id == but for run in runs):
+        if all(run.state.over or run.id in but for run in runs):
             change.set(job, over_s=self._wall_s())
 
     def _give(self, change: Change, job: JobRow, run: RunRow, again: bool) -> None:
         if again:
             job = change.set(job, given=job.given - 1)
-        self.close(change, job, run.id)
+        self.close(change, job, (run.id,))
 
     def _failures(self, job: JobRow) -> int:
         runs = self._store.runs_of(job.id).values()

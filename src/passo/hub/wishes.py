@@ -123,8 +123,19 @@ class PrinterStatistics(Struct, frozen=True):
     filament_mm: float
 
 
+class Share(Struct, frozen=True):
+    """The hub's runs with one material, or for one user; an empty name is an unknown one."""
+
+    name: str
+    done: int
+    failed: int
+    cancelled: int
+    printed_s: float
+    filament_mm: float
+
+
 class Statistics(Struct, frozen=True):
-    """The hub's runs, all and of each printer."""
+    """The hub's runs: all, of each printer, with each material, for each user."""
 
     done: int
     failed: int
@@ -132,6 +143,8 @@ class Statistics(Struct, frozen=True):
     printed_s: float
     filament_mm: float
     printers: tuple[PrinterStatistics, ...]
+    materials: tuple[Share, ...] = ()
+    users: tuple[Share, ...] = ()
 
 
 Result = Literal["done", "unreachable", "refused"]

@@ -65,7 +65,7 @@ async def change(call: HubCall, id: str, body: JobChange) -> JobView:
 
 @operation("jobs.cancel", "DELETE", "/jobs/{id}", Role.OPERATOR, errors=_JOB)
 async def cancel(call: HubCall, id: str) -> None:
-    """Starts nothing more of a job. Its running prints go on."""
+    """Ends a job: nothing more of it starts, and its prints are cancelled."""
     call.job(id)
     await call.farm.cancel_job(id, call.user)
 
