@@ -271,12 +271,14 @@ export interface PrinterStatistics {
   filament_mm: number;
 }
 
-/** A printer of the farm. `bed_clear`: a person has said that its bed is empty, and nothing has
- * printed on it since. `attention` is what a person must look at before the next run, or empty.
- * `run` is the id of the hub's run on it, or empty. `power_group` limits heating printers;
- * `heating_w` is its power while it heats. `service`: nothing starts on it. `clears_itself`: its
- * bed counts as clear after each print that is done. `printed_s`, `filament_mm` and `prints` are
- * totals of the hub's runs; `service_due` are the maintenance items that are due. */
+/** A printer of the farm. `bed_clear`: `cleared_by` has said at `cleared_s` that its bed is empty,
+ * and nothing has printed on it since. `attention` is what a person must look at before the next
+ * run, or empty. `start_unknown`: nobody knows whether its run has started, and a person has to
+ * say. `run` is the id of the hub's run on it, or empty. `last_word_s` is when it was last heard
+ * of, while it is unreachable. `power_group` limits heating printers; `heating_w` is its power
+ * while it heats. `service`: nothing starts on it. `clears_itself`: its bed counts as clear after
+ * each print that is done. `printed_s`, `filament_mm` and `prints` are totals of the hub's runs;
+ * `service_due` are the maintenance items that are due. */
 export interface PrinterView {
   id: string;
   name: string;
@@ -297,6 +299,10 @@ export interface PrinterView {
   printed_s: number;
   filament_mm: number;
   service_due: string[];
+  cleared_by: string;
+  cleared_s?: number | null;
+  last_word_s?: number | null;
+  start_unknown: boolean;
 }
 
 /** A printer that announces itself and is not in the farm. */
@@ -359,7 +365,17 @@ export interface ServiceItem {
   done_by: string;
 }
 
-/** The hub's runs, all and of each printer. */
+/** The hub's runs with one material, or for one user; an empty name is an unknown one. */
+export interface Share {
+  name: string;
+  done: number;
+  failed: number;
+  cancelled: number;
+  printed_s: number;
+  filament_mm: number;
+}
+
+/** The hub's runs: all, of each printer, with each material, for each user. */
 export interface Statistics {
   done: number;
   failed: number;
@@ -367,6 +383,8 @@ export interface Statistics {
   printed_s: number;
   filament_mm: number;
   printers: PrinterStatistics[];
+  materials: Share[];
+  users: Share[];
 }
 
 /** What became of an emergency stop of a printer. `reason` says why it failed. */
