@@ -1,4 +1,4 @@
-"""A printer as the hub sees it: a state machine without motion, and the link to it, in virtual time.
+"""A printer as the hub sees it, without motion, and the link to it, in virtual time.
 
 What happens on the printer does not depend on the hub's connection: a request that has left the hub
 may take effect though its answer is lost, or after a long time.
