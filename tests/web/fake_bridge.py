@@ -7,12 +7,13 @@ from collections.abc import Callable, Collection, Sequence
 from passo import config
 from passo.card import Card, Writer, open_card
 from passo.config.machine import MachineConfig
-from passo.errors import CardError, PassoError
+from passo.errors import CardError, CommandError, PassoError
 from passo.events import Event
 from passo.gcode.command import Command
 from passo.gcode.registry import Declaration, table
 from passo.job.batch.estimate import Estimate
 from passo.job.batch.verdict import Verdict
+from passo.job.live.runs import Run
 from passo.learn.explanation import Explanation
 from passo.printer.console_lines import ConsoleLine
 from passo.printer.status import (
@@ -98,6 +99,7 @@ class FakeBridge:
         self.line_listeners: list[Callable[[ConsoleLine], None]] = []
         self.senders: list[str] = []
         self.prints: list[PastPrint] = []
+        self.runs: dict[str, Run] = {}
         self.values: list[SettingValue] = []
         self.bed_state = BedState(None, on=False)
 
@@ -167,8 +169,17 @@ class FakeBridge:
     async def select_file(self, path: str) -> None:
         self._answer(f"select {path}")
 
-    async def start_print(self, path: str, allow: Collection[str] = ()) -> None:
+    async def start_print(self, path: str, allow: Collection[str] = (), run: str = "") -> bool:
         self._answer(" ".join(("print", path, *allow)))
+        known = run in self.runs
+        if run:
+            self.runs.setdefault(run, Run(run, path, "printing"))
+        return known
+
+    async def run_of(self, run: str) -> Run:
+        if run not in self.runs:
+            raise CommandError.of("run.unknown", value=run, limit=100)
+        return self.runs[run]
 
     async def pause_print(self) -> None:
         self._answer("pause")

@@ -12,6 +12,7 @@ from passo.web.logs import Logs
 from passo.web.temperature_history import TemperatureHistory
 
 HOST = "127.0.0.1:4000"
+ID = "7d444840-9dc0-11d1-b245-5ffdce74fad2"
 
 
 class Clock:
@@ -33,7 +34,8 @@ def site(bridge, kept=None, temperatures=None, logs=None, *, loopback=True, name
     """The application that `passo serve` serves, with accounts in memory unless some are given."""
     binding = Binding(loopback, frozenset(names))
     past = temperatures or TemperatureHistory()
-    return web_app(bridge, kept or accounts(), binding, past, logs or Logs(), state=state)
+    kept = kept or accounts()
+    return web_app(bridge, kept, binding, past, logs or Logs(), printer_id=ID, state=state)
 
 
 def local_client(bridge, kept=None):

@@ -17,6 +17,7 @@ from passo.web.roles import Role
 
 API = "/api/v1"
 FEED = f"ws://{HOST}{API}/feed"
+FEEDS = f"{API}/feed", f"{API}/summary/feed"
 ADA = {"name": "Ada", "password": "correct horse"}
 HEADERS = {"X-Passo-Request": "1"}
 ROLES = [Role.VIEWER, Role.OPERATOR, Role.ADMIN]
@@ -101,12 +102,14 @@ def test_every_route_is_an_operation_the_feed_or_a_file_of_the_page():
     application = site(FakeBridge())._app
     paths = {route.path for route in application.routes}
     page = {route.path for route in page_routes()}
-    assert paths == {o.path for o in OPERATIONS} | page | {openapi.PATH, f"{API}/feed"}
+    assert paths == {o.path for o in OPERATIONS} | page | {openapi.PATH, *FEEDS}
 
 
 def test_every_operation_but_the_first_log_in_needs_one():
     public = {operation.name for operation in OPERATIONS if operation.role is Role.PUBLIC}
-    assert public == {"session.get", "session.set_up", "session.log_in", "rrf.connect"}
+    assert public == {
+        *("session.get", "session.set_up", "session.log_in", "rrf.connect", "pairing.pair")
+    }
     fresh = {operation.name for operation in OPERATIONS if operation.fresh}
     groups = {o.name for o in OPERATIONS if o.group in ("accounts", "keys") and o.writes}
     assert groups <= fresh

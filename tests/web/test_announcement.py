@@ -4,6 +4,7 @@ at by hand."""
 import asyncio
 
 import pytest
+from tests.web.local_site import ID
 
 import passo
 from passo.errors import InputError
@@ -26,7 +27,7 @@ class Registry:
 
 def test_slicers_and_browsers_find_the_page_until_the_end():
     async def main():
-        announcement, registry = Announcement("i3", "192.168.1.5", 4000), Registry()
+        announcement, registry = Announcement("i3", "192.168.1.5", 4000, ID), Registry()
         running = asyncio.ensure_future(announcement.run(lambda: registry))
         await asyncio.sleep(0)
         await asyncio.sleep(0)
@@ -34,11 +35,13 @@ def test_slicers_and_browsers_find_the_page_until_the_end():
         assert [one.type for one in registry.services] == [
             "_http._tcp.local.",
             "_octoprint._tcp.local.",
+            "_passo._tcp.local.",
         ]
         for one in registry.services:
             assert one.name.startswith("i3 on ") and one.name.endswith(one.type)
             assert (one.port, one.parsed_addresses()) == (4000, ["192.168.1.5"])
             assert one.properties[b"path"] == b"/"
+            assert (one.properties[b"id"], one.properties[b"name"]) == (ID.encode(), b"i3")
             assert one.server == f"{announcement.host_name}."
         running.cancel()
         await asyncio.wait([running])
@@ -48,7 +51,7 @@ def test_slicers_and_browsers_find_the_page_until_the_end():
 
 
 def test_long_names_fit_into_a_label():
-    announcement = Announcement("ü" * 60, "::", 4000)
+    announcement = Announcement("ü" * 60, "::", 4000, ID)
     label = announcement.services[0].name.removesuffix("._http._tcp.local.")
     assert len(label.encode()) <= 63
     addresses = announcement.services[0].parsed_addresses()
@@ -57,7 +60,7 @@ def test_long_names_fit_into_a_label():
 
 def test_network_that_refuses_is_a_line_in_the_log(caplog):
     registry = Registry(OSError(101, "Network is unreachable"))
-    asyncio.run(Announcement("i3", "192.168.1.5", 4000).run(lambda: registry))
+    asyncio.run(Announcement("i3", "192.168.1.5", 4000, ID).run(lambda: registry))
     assert "The printer is not announced: Network is unreachable" in caplog.text
     assert registry.closed
 

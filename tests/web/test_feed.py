@@ -52,14 +52,14 @@ class Client:
     """A WebSocket of an application in the loop of the test. `got` are the messages with their
     times; it takes them while `reads` is set."""
 
-    def __init__(self, app):
+    def __init__(self, app, path="/api/v1/feed"):
         self._loop = asyncio.get_running_loop()
         self.got, self.reads, self._left = [], asyncio.Event(), asyncio.Event()
         self.reads.set()
         scope = {
             "type": "websocket",
             "scheme": "ws",
-            "path": "/api/v1/feed",
+            "path": path,
             "query_string": b"",
             "headers": [(b"host", HOST.encode())],
             "client": ("127.0.0.1", 50000),

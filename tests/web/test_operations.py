@@ -237,7 +237,8 @@ def test_buttons_reach_the_printer(web, bridge, path, asked):
 
 
 def test_print_is_started_by_its_path(web, bridge):
-    assert web.post("/api/v1/job", json={"path": "a/b.gcode"}).status_code == 204
+    started = web.post("/api/v1/job/start", json={"path": "a/b.gcode"})
+    assert (started.status_code, started.json()) == (200, {"known": False})
     assert bridge.asked == ["print a/b.gcode"]
 
 

@@ -98,6 +98,24 @@ JOB: Mapping[str, Entry] = {
         "the queue was not changed, because it cannot be stored: {value}",
         "Check the directory, its permissions and the free space on the disk",
     ),
+    "run.unknown": bad_input(
+        "job",
+        "no print was started with the run id {value}; the printer keeps the last {limit}",
+        "Start the print with this run id, if no printer has printed it",
+    ),
+    "run.invalid": bad_input(
+        "job", "{value!r} is not a run id: expected a UUID", "Make one with `uuidgen`"
+    ),
+    "run.unwritable": bad_input(
+        "job",
+        "the print was not started, because its run id cannot be stored: {value}",
+        "Check the directory, its permissions and the free space on the disk",
+    ),
+    "run.damaged": bad_input(
+        "job",
+        "is damaged, so it is unknown which prints have started, and none was started: {value}",
+        "Check what this printer has printed, delete the file, then restart Passo",
+    ),
     "history.unusable": bad_input(
         "job",
         "the history of prints cannot be used: {value}",

@@ -60,6 +60,10 @@ WEB: Mapping[str, Entry] = {
     "web.code": _web(
         "the one-time code is wrong", "Copy it from where `passo serve` has printed it"
     ),
+    "web.pairing": _web(
+        "the one-time code is wrong, used, or older than {limit} minutes",
+        "Let an administrator of the printer make a new one",
+    ),
     "web.no-administrator": _web(
         "this needs a password, and there is no account yet",
         "Create the administrator first",
@@ -102,6 +106,11 @@ WEB: Mapping[str, Entry] = {
     ),
     "upload.malformed": bad_input(
         "upload", "the request cannot be read: {value}", "Correct it and send it again"
+    ),
+    "upload.checksum": bad_input(
+        "upload",
+        "the received file has the SHA-256 {value}, not {limit}, and is not stored",
+        "Send the file again",
     ),
     "upload.slow": bad_input(
         "upload",

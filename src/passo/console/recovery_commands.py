@@ -47,4 +47,4 @@ class RecoveryCommands:
         await self._keeper.resume(program, moment)
         where = f"line {moment.line}" if moment.line else "its beginning"
         reply.say(f"echo:Printing {self._runner.name} from {where}")
-        self._runner.start(skips=self._control.skips.allowing(program.allow))
+        self._runner.start(skips=self._control.skips.allowing(program.allow), run=program.run)

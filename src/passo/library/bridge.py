@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from passo.events import Event
     from passo.gcode.registry import Declaration
     from passo.job.batch.verdict import Verdict
+    from passo.job.live.runs import Run
     from passo.learn.explanation import Explanation
     from passo.library.planning import Work
     from passo.printer.console_lines import ConsoleLine
@@ -316,9 +317,13 @@ class LiveBridge:
         """Like `Bridge.select_file`."""
         await self._call(lambda: self._jobs.files.open(path))
 
-    async def start_print(self, path: str, allow: Collection[str] = ()) -> None:
+    async def start_print(self, path: str, allow: Collection[str] = (), run: str = "") -> bool:
         """Like `Bridge.start_print`."""
-        await self._call(lambda: self._jobs.start(path, allow))
+        return await self._call(lambda: self._jobs.start(path, allow, run))
+
+    async def run_of(self, run: str) -> Run:
+        """Like `Bridge.run_of`."""
+        return await self._call(lambda: self._jobs.runs.find(run))
 
     async def pause_print(self) -> None:
         """Like `Bridge.pause_print`."""

@@ -24,6 +24,7 @@ from passo.console.printer_console import welcome
 from passo.console.session import Session, Wire
 from passo.errors import CommandError, MachineError
 from passo.gcode.command import Command, Given
+from passo.job.printer_id import printer_id
 from passo.library.assembly import Assembly, assembled
 from passo.library.machine import Machine
 from passo.printer.setup.connections import with_reported_clocks
@@ -110,6 +111,7 @@ class Printer:
         self._halt_reports = halt_reports
         self._skips = Skips(skip_unknown, skip_levelling, clamp, ignore_tools)
         self._assembly: Assembly | None = None
+        self.id = ""  # the id of the printer, a UUID, while it is open
         self._observed: Observer | None = None
         self._client: Client | None = None
         self._bridged: LiveBridge | None = None
@@ -134,6 +136,7 @@ class Printer:
             source=self._source,
             restart=self._restart if self._restarts else None,
         )
+        self.id = printer_id(None if self._state is None else Path(self._state))
         _log.info("Printer %s started by Passo %s", self.config.name, __version__)
         self._serving = asyncio.create_task(self._printer.run())
         self._serving.add_done_callback(self._ended)
@@ -387,13 +390,13 @@ class Printer:
             if announce:
                 from passo.web.announcement import Announcement
 
-                announced = Announcement(self.config.name, host, port)
+                announced = Announcement(self.config.name, host, port, self.id)
                 known |= {announced.host_name}
             binding = Binding(loopback, known)
             logs = Logs(stems)
             state = None if self._state is None else Path(self._state)
             kept = self._accounts, binding, self._temperatures, logs
-            app = web_app(self._bridge, *kept, state=state)
+            app = web_app(self._bridge, *kept, printer_id=self.id, state=state)
         except BaseException:
             socket.close()
             raise

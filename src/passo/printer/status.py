@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import Enum
 from math import isfinite
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from passo.config.lights import Color
 from passo.levelling.mesh import Mesh
@@ -143,7 +143,8 @@ class JobStatus:
     `elapsed_s` is host time since the start, with pauses; `filament_mm` is the filament of all
     extruders for this print, without moves in pauses; `extruding_s` is the part of `printed_s`
     since the first extrusion, or `printed_s` on a machine without filament. `slicer_layer` and
-    `slicer_layers` are those of SET_PRINT_STATS_INFO; None without it."""
+    `slicer_layers` are those of SET_PRINT_STATS_INFO; None without it. `run` is the run id with
+    which the print was started, or empty."""
 
     file: str
     fraction: float
@@ -162,6 +163,7 @@ class JobStatus:
     extruding_s: float = 0.0
     slicer_layer: int | None = None
     slicer_layers: int | None = None
+    run: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -273,6 +275,19 @@ class EndedJob:
     reason: str
     job: JobStatus
     problems: tuple[FaultStatus, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class LastPrint:
+    """The newest finished print of the history, from the card or by a host. `number` identifies it;
+    `run` is the run id with which it was started, or empty; `reason` says why it has failed. An
+    interrupted print has failed."""
+
+    number: int
+    file: str
+    run: str
+    result: Literal["done", "cancelled", "failed"]
+    reason: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -424,24 +439,24 @@ class Status:
     that waits for an answer of the user (M0, a pause), or empty: M876 S0 answers it; `progress` is
     the fraction of the print that is done; for a print by a host, the host reports it (M73, M532).
     `job` is None while no file is printed; `ended` is the last print, until another file is
-    selected; `interrupted` is the print that M1000 resumes, None without one; `queue` are the
-    prints that wait; `started`: the boards have started at least once; `macros` are the variables
-    of the macros, by name. Below `min_extrude_c` the hotend of `tool` moves no filament; 0 means no
-    limit (M302). `unsaved` are the settings that M500 would change, as commands with their values,
-    by headings, without those that files and pages change for a while; `saved_variables` are the
-    variables of SAVE_VARIABLE. `bed` is None on a machine without a probe. `moving_s` is the print
-    time for which the machine has printed or moved without a break. `gantry_level`: the Z motors
-    have levelled the gantry, and have been on since then; None on a machine that cannot do this.
-    `skew_profile` is the name of the active saved skew, or empty; None without skew and profiles.
-    `screws` are the last measurements of the bed screws; `screws_limit_mm` is their allowed
-    difference, if it is exceeded. `shapers` are the input shapers by axis, `advances` the pressure
-    advance of each extruder; `retraction` is None on a machine without filament. `cooled_c` are the
-    targets of the heaters that a long pause or a fault has switched off, °C by name: they warm up
-    before the print resumes. `buttons` are the buttons by name, with True while they are pressed.
-    `outputs` are fractions of fully on, without outputs that are fixed; `sensors` are those without
-    a heater; `fan_targets_c` are the targets of the fans with a thermostat, 0 while they are off.
-    `inputs` are those of filament sensors (`filament-` and the name) and buttons (`button-` and the
-    name)."""
+    selected; `last_print` is the newest row of the history; `interrupted` is the print that M1000
+    resumes, None without one; `queue` are the prints that wait; `started`: the boards have started
+    at least once; `macros` are the variables of the macros, by name. Below `min_extrude_c` the
+    hotend of `tool` moves no filament; 0 means no limit (M302). `unsaved` are the settings that
+    M500 would change, as commands with their values, by headings, without those that files and
+    pages change for a while; `saved_variables` are the variables of SAVE_VARIABLE. `bed` is None on
+    a machine without a probe. `moving_s` is the print time for which the machine has printed or
+    moved without a break. `gantry_level`: the Z motors have levelled the gantry, and have been on
+    since then; None on a machine that cannot do this. `skew_profile` is the name of the active
+    saved skew, or empty; None without skew and profiles. `screws` are the last measurements of the
+    bed screws; `screws_limit_mm` is their allowed difference, if it is exceeded. `shapers` are the
+    input shapers by axis, `advances` the pressure advance of each extruder; `retraction` is None on
+    a machine without filament. `cooled_c` are the targets of the heaters that a long pause or a
+    fault has switched off, °C by name: they warm up before the print resumes. `buttons` are the
+    buttons by name, with True while they are pressed. `outputs` are fractions of fully on, without
+    outputs that are fixed; `sensors` are those without a heater; `fan_targets_c` are the targets of
+    the fans with a thermostat, 0 while they are off. `inputs` are those of filament sensors
+    (`filament-` and the name) and buttons (`button-` and the name)."""
 
     state: PrinterState
     halted: str
@@ -465,6 +480,7 @@ class Status:
     progress: float | None = None
     job: JobStatus | None = None
     ended: EndedJob | None = None
+    last_print: LastPrint | None = None
     interrupted: InterruptedPrint | None = None
     queue: Queue = Queue()
     started: bool = True

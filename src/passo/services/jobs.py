@@ -21,6 +21,7 @@ from passo.job.live.print_pause import PrintPause
 from passo.job.live.print_queue import PrintQueue
 from passo.job.live.progress import Progress
 from passo.job.live.runner import Runner
+from passo.job.live.runs import Runs
 from passo.job.live.statistics import Statistics
 from passo.printer.background_gcode import BackgroundGcode
 
@@ -35,11 +36,13 @@ _log = logging.getLogger(__name__)
 @dataclass(frozen=True, slots=True)
 class Jobs:
     """The prints of one printer. `files` are what it can print, and `runner` prints the selected
-    one. `host_pause` pauses prints of hosts, `background` runs G-code of the machine file.
-    `journal` resumes an interrupted print; None if nothing is stored."""
+    one. `runs` are the starts with a run id. `host_pause` pauses prints of hosts, `background` runs
+    G-code of the machine file. `journal` resumes an interrupted print; None if nothing is
+    stored."""
 
     control: Control
     runner: Runner
+    runs: Runs
     files: Files
     objects: PrintObjects
     statistics: Statistics
@@ -49,11 +52,19 @@ class Jobs:
     background: BackgroundGcode
     journal: JournalKeeper | None
 
-    def start(self, path: str, allow: Collection[str] = ()) -> None:
+    def start(self, path: str, allow: Collection[str] = (), run: str = "") -> bool:
         """Selects a file and prints it. The print may also do what the fields `allow` of Skips
-        name. Raises CardError, InputError, CommandError."""
-        self.files.open(path)
-        self.runner.start(skips=self.control.skips.allowing(allow))
+        name. A `run` starts at most one print: returns True if this run id is known, and then
+        nothing has started. Raises CardError, InputError, CommandError."""
+
+        def start(run: str) -> None:
+            self.files.open(path)
+            self.runner.start(skips=self.control.skips.allowing(allow), run=run)
+
+        if run:
+            return self.runs.start_once(run, path, start)
+        start("")
+        return False
 
     @property
     def printed_file(self) -> str:
@@ -88,6 +99,7 @@ def build_jobs(
     without it, `reports` is the prefix of the paths of the reports."""
     runner = Runner(control, parts, reply)
     files = Files(control, runner, card)
+    runs = Runs(control.state, runner, folder)  # stores an end before the history does
     statistics = Statistics(control, parts, folder)
     progress = Progress(control, parts.suspension, runner, statistics, files.reader)
     host_pause, background = HostPause(control, parts), BackgroundGcode(control)
@@ -103,8 +115,19 @@ def build_jobs(
     if stem is not None:
         HaltReports(control, parts.settings, runner, progress, stem)
     queue = PrintQueue(control.state, runner, files, folder)
-    JobStatusReader(control, runner, progress, objects, files)
+    JobStatusReader(control, runner, progress, objects, files, statistics)
     return Jobs(
-        *(control, runner, files, objects, statistics, progress, queue, host_pause, background),
+        *(
+            control,
+            runner,
+            runs,
+            files,
+            objects,
+            statistics,
+            progress,
+            queue,
+            host_pause,
+            background,
+        ),
         journal,
     )

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from ipaddress import ip_address
 from time import monotonic
 from typing import TYPE_CHECKING
-from urllib.parse import urlsplit
+from urllib.parse import unquote, urlsplit
 
 from passo.errors import WebError
 from passo.web.accounts.accounts import FRESH_S, digest
 from passo.web.accounts.limiter import address_key
-from passo.web.operation import HEADER, Caller
+from passo.web.operation import HEADER, USER_HEADER, Caller
 from passo.web.roles import Role
 from passo.web.slicers.address_sessions import AddressSessions
 
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 _RRF = "/rr_"  # prefix of the paths of RepRapFirmware's interface
 _LOCAL = "local"  # the caller on this computer while there is no administrator
+_MAX_USER = 64  # characters of the name of a program's user
 # Headers that a proxy adds. A proxy may be on this computer, but its clients are not.
 _OF_PROXIES = ("forwarded", "x-forwarded-for", "x-forwarded-host", "x-real-ip", "via")
 
@@ -75,7 +76,8 @@ class Access:
             key = self.accounts.key(token)
             if key is None:
                 raise WebError.of("web.log-in")
-            return Caller(key.name, key.role, key=key.hash, address=address)
+            name = _with_user(connection, key.name)
+            return Caller(name, key.role, key=key.hash, address=address)
         self._require_own_page(connection)
         found = self.accounts.session(_session_of(connection, self.accounts.cookie))
         if found is not None:
@@ -84,7 +86,7 @@ class Access:
             session, account = found
             return Caller(account.name, account.role, session=session.hash, address=address)
         if not self.accounts.exist and not self.needs_code(connection):
-            return Caller(_LOCAL, Role.ADMIN, address=address)
+            return Caller(_with_user(connection, _LOCAL), Role.ADMIN, address=address)
         return self._connected(connection, peer) or Caller("", Role.PUBLIC, address=address)
 
     def connect(self, connection: HTTPConnection, token: str) -> bool:
@@ -164,6 +166,13 @@ def _key_of(connection: HTTPConnection) -> str | None:
         return token
     scheme, _, token = connection.headers.get("authorization", "").partition(" ")
     return token.strip() if scheme.lower() == "bearer" else None
+
+
+def _with_user(connection: HTTPConnection, name: str) -> str:
+    """The name of a program, with the user for whom it acts, if it names one."""
+    user = unquote(connection.headers.get(USER_HEADER.lower(), ""))
+    shown = "".join(sign for sign in user if sign.isprintable())[:_MAX_USER].strip()
+    return f"{name} ({shown})" if shown else name
 
 
 def _session_of(connection: HTTPConnection, cookie: str) -> str:

@@ -19,8 +19,9 @@ from passo.version import __version__
 
 _log = logging.getLogger(__name__)
 
-# Service browsers find the page; PrusaSlicer and Cura find the interface of OctoPrint.
-_KINDS = ("_http._tcp.local.", "_octoprint._tcp.local.")
+# Service browsers find the page; PrusaSlicer and Cura find the interface of OctoPrint; hubs find
+# Passo's own.
+_KINDS = ("_http._tcp.local.", "_octoprint._tcp.local.", "_passo._tcp.local.")
 _LONGEST = 63  # bytes of a label (RFC 1035, 2.3.4)
 
 
@@ -41,10 +42,10 @@ class Registry(Protocol):
 
 class Announcement:
     """The announcement of a web interface that listens at an address; `0.0.0.0` and `::` mean all
-    addresses of this computer. It contains the `host_name` of this computer. Raises InputError for
-    an address that no other computer can reach."""
+    addresses of this computer. It contains the `host_name` of this computer, and the name and the
+    id of the printer. Raises InputError for an address that no other computer can reach."""
 
-    def __init__(self, machine: str, host: str, port: int) -> None:
+    def __init__(self, machine: str, host: str, port: int, printer_id: str) -> None:
         address = ip_address(host.partition("%")[0])
         if address.is_loopback:
             raise InputError.of("web.announce-loopback", value=host)
@@ -54,12 +55,13 @@ class Announcement:
         computer = socket.gethostname().partition(".")[0].lower()
         self.host_name = f"{computer}.local"
         name = f"{machine} on {computer}".encode()[:_LONGEST].decode(errors="ignore")
+        known = {"path": "/", "version": __version__, "id": printer_id, "name": machine}
         self.services = [
             ServiceInfo(
                 kind,
                 f"{name.replace('.', '-')}.{kind}",
                 port,
-                properties={"path": "/", "version": __version__},
+                properties=known,
                 server=f"{self.host_name}.",
                 parsed_addresses=addresses,
             )

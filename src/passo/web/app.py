@@ -22,6 +22,7 @@ from passo.web.operations import OPERATIONS
 from passo.web.pages import page_routes
 from passo.web.routes import EXCEPTION_HANDLERS, routes
 from passo.web.site import Site
+from passo.web.summary_feed import serve_summary_feed
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -44,14 +45,26 @@ def web_app(
     temperatures: TemperatureHistory,
     logs: Logs,
     *,
+    printer_id: str = "",
     state: Path | None = None,
 ) -> ASGIApp:
-    """The application of one printer at one address, with its temperature history and its logs; the
-    cache of its files is in the folder `state`."""
+    """The application of one printer at one address, with its temperature history and its logs; its
+    id is `printer_id`; the cache of its files is in the folder `state`."""
     access, metadata = Access(accounts, binding), MetadataReader(bridge, state)
     uploads = Uploads(bridge, metadata.want)
     firmware = Builds(), Flashes()
-    site = Site(bridge, accounts, access, uploads, metadata, temperatures, logs, *firmware, state)
+    site = Site(
+        bridge,
+        accounts,
+        access,
+        uploads,
+        metadata,
+        temperatures,
+        logs,
+        *firmware,
+        printer_id,
+        state,
+    )
     feeds, messages = Feeds(bridge), Messages()
 
     def call(caller: Caller, request: Request) -> Call:
@@ -60,11 +73,15 @@ def web_app(
     async def feed(websocket: WebSocket) -> None:
         await serve_feed(site, feeds, messages, websocket)
 
+    async def summary_feed(websocket: WebSocket) -> None:
+        await serve_summary_feed(site, feeds, websocket)
+
     app = Starlette(
         routes=[
             *routes(OPERATIONS, access, call),
             openapi.route(OPERATIONS),
             WebSocketRoute("/api/v1/feed", feed),
+            WebSocketRoute("/api/v1/summary/feed", summary_feed),
             *page_routes(),
         ],
         exception_handlers=EXCEPTION_HANDLERS,

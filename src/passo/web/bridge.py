@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from passo.gcode.command import Command
     from passo.gcode.registry import Declaration
     from passo.job.batch.verdict import Verdict
+    from passo.job.live.runs import Run
     from passo.learn.explanation import Explanation
     from passo.levelling.correction import Correction
     from passo.printer.console_lines import ConsoleLine
@@ -32,7 +33,8 @@ class Snapshot:
 
 @dataclass(frozen=True, slots=True)
 class PastPrint:
-    """A finished print. `started_s` is the wall clock in seconds since 1970, None if unknown;
+    """A finished print. `number` identifies it; `run` is the run id of its start, or empty;
+    `started_s` is the wall clock in seconds since 1970, None if unknown;
     `ended` is done, cancelled, failed or interrupted; `print_s` is print time without pauses;
     `note` is a remark about a problem, or empty."""
 
@@ -43,6 +45,8 @@ class PastPrint:
     print_s: float
     filament_mm: float
     note: str
+    run: str = ""
+    number: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,9 +190,14 @@ class Bridge(Protocol):
         """Selects a file of the card, to be printed later."""
         ...
 
-    async def start_print(self, path: str, allow: Collection[str] = ()) -> None:
+    async def start_print(self, path: str, allow: Collection[str] = (), run: str = "") -> bool:
         """Selects a file of the card and prints it. The print may also do what the fields `allow`
-        of Skips name."""
+        of Skips name. A `run` starts at most one print, also over restarts of the program: returns
+        True if this run id is known, and then nothing has started."""
+        ...
+
+    async def run_of(self, run: str) -> Run:
+        """The print that was started with a run id."""
         ...
 
     async def pause_print(self) -> None:

@@ -1,6 +1,7 @@
 """The Python client, made from the table of operations: make reference."""
 
 import builtins
+import passo.job.live.runs
 import passo.learn.explanation
 import passo.printer.status
 import passo.web.answers
@@ -11,9 +12,11 @@ import passo.web.endpoints.console
 import passo.web.endpoints.files
 import passo.web.endpoints.firmware
 import passo.web.endpoints.history
+import passo.web.endpoints.job
 import passo.web.endpoints.logs
 import passo.web.endpoints.machine
 import passo.web.endpoints.machine_file
+import passo.web.endpoints.pairing
 import passo.web.endpoints.session
 import passo.web.endpoints.status
 import passo.web.files.metadata
@@ -21,6 +24,7 @@ import passo.web.firmware.builds
 import passo.web.firmware.flashes
 import passo.web.firmware.ports
 import passo.web.machine.keys
+import passo.web.summary
 import typing
 
 class RequestError(Exception):
@@ -287,6 +291,7 @@ class Files:
         self,
         data: bytes,
         path: str,
+        sha256: str = ...,
     ) -> passo.web.endpoints.files.StoredFile:
         """Uploads a file to the card, and makes its folders. Once it is complete, it
         replaces a file of the same path. Characters that no name may have become `_`: the
@@ -441,8 +446,11 @@ class Job:
         self,
         path: str,
         allow: builtins.list[typing.Literal['unknown', 'levelling', 'clamp', 'ignore_tools']] = ...,
-    ) -> None:
-        """Prints a file of the card."""
+        run: str = ...,
+    ) -> passo.web.endpoints.job.Started:
+        """Prints a file of the card. With a run id it is printed at most once: the printer
+        stores the run id before the print starts, and knows the last 100, also after a
+        restart if it has a folder for them (`--state`)."""
         ...
     def pause(
         self,
@@ -618,6 +626,21 @@ class Outputs:
         """Sets an output after the planned moves (SET_PIN)."""
         ...
 
+class Pairing:
+    def make_code(
+        self,
+    ) -> passo.web.endpoints.pairing.MadeCode:
+        """Makes a one-time code, with which one program can pair (`pairing.pair`) within
+        ten minutes. An earlier code becomes invalid."""
+        ...
+    def pair(
+        self,
+        code: str,
+        name: str,
+    ) -> passo.web.endpoints.pairing.Paired:
+        """Makes an API key for a program that has a one-time code."""
+        ...
+
 class Queue:
     def get(
         self,
@@ -657,6 +680,14 @@ class Queue:
         bed_clear: bool,
     ) -> None:
         """Starts the next print, and removes it from the queue."""
+        ...
+
+class Runs:
+    def get(
+        self,
+        run: str,
+    ) -> passo.job.live.runs.Run:
+        """The state of the print that was started with a run id (`job.start`)."""
         ...
 
 class Servos:
@@ -786,6 +817,14 @@ class Status:
         self,
     ) -> builtins.list[str]:
         """The addresses for hosts, browsers and Moonraker, each with its kind."""
+        ...
+
+class Summary:
+    def get(
+        self,
+    ) -> passo.web.summary.Summary:
+        """The printer at a glance, for a page over many printers. The WebSocket
+        `/api/v1/summary/feed` sends it at each change."""
         ...
 
 class Tuning:
@@ -1070,6 +1109,7 @@ class AsyncFiles:
         self,
         data: bytes,
         path: str,
+        sha256: str = ...,
     ) -> passo.web.endpoints.files.StoredFile:
         """Uploads a file to the card, and makes its folders. Once it is complete, it
         replaces a file of the same path. Characters that no name may have become `_`: the
@@ -1224,8 +1264,11 @@ class AsyncJob:
         self,
         path: str,
         allow: builtins.list[typing.Literal['unknown', 'levelling', 'clamp', 'ignore_tools']] = ...,
-    ) -> None:
-        """Prints a file of the card."""
+        run: str = ...,
+    ) -> passo.web.endpoints.job.Started:
+        """Prints a file of the card. With a run id it is printed at most once: the printer
+        stores the run id before the print starts, and knows the last 100, also after a
+        restart if it has a folder for them (`--state`)."""
         ...
     async def pause(
         self,
@@ -1401,6 +1444,21 @@ class AsyncOutputs:
         """Sets an output after the planned moves (SET_PIN)."""
         ...
 
+class AsyncPairing:
+    async def make_code(
+        self,
+    ) -> passo.web.endpoints.pairing.MadeCode:
+        """Makes a one-time code, with which one program can pair (`pairing.pair`) within
+        ten minutes. An earlier code becomes invalid."""
+        ...
+    async def pair(
+        self,
+        code: str,
+        name: str,
+    ) -> passo.web.endpoints.pairing.Paired:
+        """Makes an API key for a program that has a one-time code."""
+        ...
+
 class AsyncQueue:
     async def get(
         self,
@@ -1440,6 +1498,14 @@ class AsyncQueue:
         bed_clear: bool,
     ) -> None:
         """Starts the next print, and removes it from the queue."""
+        ...
+
+class AsyncRuns:
+    async def get(
+        self,
+        run: str,
+    ) -> passo.job.live.runs.Run:
+        """The state of the print that was started with a run id (`job.start`)."""
         ...
 
 class AsyncServos:
@@ -1571,6 +1637,14 @@ class AsyncStatus:
         """The addresses for hosts, browsers and Moonraker, each with its kind."""
         ...
 
+class AsyncSummary:
+    async def get(
+        self,
+    ) -> passo.web.summary.Summary:
+        """The printer at a glance, for a page over many printers. The WebSocket
+        `/api/v1/summary/feed` sends it at each change."""
+        ...
+
 class AsyncTuning:
     async def set_speed(
         self,
@@ -1642,7 +1716,11 @@ class Client:
     @property
     def outputs(self) -> Outputs: ...
     @property
+    def pairing(self) -> Pairing: ...
+    @property
     def queue(self) -> Queue: ...
+    @property
+    def runs(self) -> Runs: ...
     @property
     def servos(self) -> Servos: ...
     @property
@@ -1653,6 +1731,8 @@ class Client:
     def simulation(self) -> Simulation: ...
     @property
     def status(self) -> Status: ...
+    @property
+    def summary(self) -> Summary: ...
     @property
     def tuning(self) -> Tuning: ...
 
@@ -1704,7 +1784,11 @@ class AsyncClient:
     @property
     def outputs(self) -> AsyncOutputs: ...
     @property
+    def pairing(self) -> AsyncPairing: ...
+    @property
     def queue(self) -> AsyncQueue: ...
+    @property
+    def runs(self) -> AsyncRuns: ...
     @property
     def servos(self) -> AsyncServos: ...
     @property
@@ -1715,5 +1799,7 @@ class AsyncClient:
     def simulation(self) -> AsyncSimulation: ...
     @property
     def status(self) -> AsyncStatus: ...
+    @property
+    def summary(self) -> AsyncSummary: ...
     @property
     def tuning(self) -> AsyncTuning: ...

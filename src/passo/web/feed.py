@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 _MAX_WAITING = 1000  # maximum of events, and of lines, that wait for a slow client
 _MAX_SCRIPTS = 16  # of one client at a time
-_NOT_ALLOWED = 1008  # "policy violation" (IANA, WebSocket close codes)
+NOT_ALLOWED = 1008  # "policy violation" (IANA, WebSocket close codes)
 
 
 class Script(Struct, tag_field="type", tag="script", forbid_unknown_fields=True):
@@ -63,13 +63,19 @@ class BuildLine:
 async def serve_feed(site: Site, feeds: Feeds, messages: Messages, websocket: WebSocket) -> None:
     """Serves a client if it has the right to see the printer. Nothing is sent before this is
     checked."""
+    if (caller := await viewer_of(site, websocket)) is not None:
+        await Feed(site, feeds, messages, websocket, caller).run()
+
+
+async def viewer_of(site: Site, websocket: WebSocket) -> Caller | None:
+    """The caller of a WebSocket; None if it is refused, for it may not see the printer."""
     try:
         caller = site.access.caller(websocket, writes=False)
         site.access.require(caller, Role.VIEWER)
     except PassoError as error:
         await websocket.send_denial_response(refusal(error))
-        return
-    await Feed(site, feeds, messages, websocket, caller).run()
+        return None
+    return caller
 
 
 class Feed:
@@ -188,7 +194,7 @@ class Feed:
             await self._news.wait()
             self._news.clear()
             if not self._site.access.holds(self._caller):
-                await self._websocket.close(_NOT_ALLOWED)
+                await self._websocket.close(NOT_ALLOWED)
                 return
             await self._send_news()
 

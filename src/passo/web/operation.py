@@ -16,6 +16,7 @@ from passo.web.roles import Role
 
 API = "/api/v1"
 HEADER = "X-Passo-Request"  # a form of another web page cannot send this header
+USER_HEADER = "X-Passo-User"  # the user of the program that sends the request
 _MAX_BODY = 1 << 20  # bytes of a request in JSON
 _PARAMETER = re.compile(r"\{(\w+)(?::\w+)?\}")
 

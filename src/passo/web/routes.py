@@ -72,6 +72,8 @@ class _Endpoint:
             await access.used(caller)
             given = await arguments(operation, request)
             answer = await operation.handler(self._call(caller, request), **given)
+            if operation.writes and caller.name:
+                _log.info("%s by %s", operation.name, caller.name)
         except PassoError as error:
             return refusal(error)
         except ClientDisconnect:

@@ -6,6 +6,8 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from passo.web.summary import summary_of
+
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
     from passo.web.firmware.builds import Builds
     from passo.web.firmware.flashes import Flashes
     from passo.web.logs import Logs
+    from passo.web.summary import Summary
     from passo.web.temperature_history import TemperatureHistory
 
 _MAX_REPLIES = 100
@@ -24,9 +27,9 @@ _MAX_REPLIES = 100
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """One printer with its accounts, the uploads to its card, the facts about its files, the
-    history of its temperatures, its logs, its builds of firmware, the boards that it flashes, and
-    its state folder, None without one."""
+    """One printer, whose id is `printer_id`, with its accounts, the uploads to its card, the facts
+    about its files, the history of its temperatures, its logs, its builds of firmware, the boards
+    that it flashes, and its state folder, None without one."""
 
     bridge: Bridge
     accounts: Accounts
@@ -37,6 +40,12 @@ class Site:
     logs: Logs
     builds: Builds
     flashes: Flashes
+    printer_id: str
     state: Path | None = None
     rrf_replies: deque[str] = field(default_factory=lambda: deque(maxlen=_MAX_REPLIES))
     """Answers to lines of `rr_gcode`, until `rr_reply` takes them."""
+
+    def summary(self) -> Summary:
+        """The summary of the printer now. Never waits."""
+        bridge = self.bridge
+        return summary_of(self.printer_id, bridge.machine.name, bridge.latest().status)

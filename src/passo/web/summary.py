@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from msgspec import Struct
 
-from passo.printer.status import FaultStatus
+from passo.printer.status import FaultStatus, LastPrint, PrinterState
+from passo.version import __version__
+
+if TYPE_CHECKING:
+    from passo.printer.status import JobStatus, Status
 
 SummaryState: TypeAlias = Literal["idle", "busy", "printing", "paused", "halted"]
-Result: TypeAlias = Literal["done", "cancelled", "failed"]
+
+_STATES: dict[PrinterState, SummaryState] = {
+    PrinterState.IDLE: "idle",
+    PrinterState.BUSY: "busy",
+    PrinterState.PRINTING: "printing",
+    PrinterState.PAUSED: "paused",
+    PrinterState.HALTED: "halted",
+}
 
 
 class SummaryJob(Struct, frozen=True):
@@ -26,20 +37,9 @@ class SummaryJob(Struct, frozen=True):
     filament_mm: float
 
 
-class LastPrint(Struct, frozen=True):
-    """The newest row of the printer's history. `number` increases with each print; `reason` says
-    why it failed, or is empty."""
-
-    number: int
-    file: str
-    run: str
-    result: Result
-    reason: str
-
-
 class SummaryHeater(Struct, frozen=True):
-    """A heater in whole degrees. `celsius` is None before the first reading; `target_c` is 0 while
-    it is off."""
+    """A heater in whole degrees. `celsius` is None while its sensor does not report; `target_c`
+    is 0 while it is off."""
 
     name: str
     celsius: int | None
@@ -57,3 +57,49 @@ class Summary(Struct, frozen=True):
     last_print: LastPrint | None = None
     heaters: tuple[SummaryHeater, ...] = ()
     fault: FaultStatus | None = None
+
+
+def summary_of(id: str, name: str, status: Status) -> Summary:
+    """The summary of the printer `name` with this status."""
+    heaters = tuple(
+        SummaryHeater(
+            heater,
+            None if values.current_c is None else round(values.current_c),
+            round(values.target_c),
+        )
+        for heater, values in status.heaters.items()
+    )
+    return Summary(
+        id=id,
+        name=name,
+        version=__version__,
+        state=_STATES[status.state],
+        job=None if status.job is None else _job(status.job),
+        last_print=status.last_print,
+        heaters=heaters,
+        fault=status.faults[0] if status.faults else None,
+    )
+
+
+def is_news(before: Summary, now: Summary) -> bool:
+    """Whether the state, the print, the fault or the last print has changed, which clients learn at
+    once."""
+    return _news(before) != _news(now)
+
+
+def _news(one: Summary) -> tuple[object, ...]:
+    job = None if one.job is None else (one.job.file, one.job.run)
+    return one.state, job, one.fault, one.last_print
+
+
+def _job(job: JobStatus) -> SummaryJob:
+    return SummaryJob(
+        file=job.file,
+        run=job.run,
+        fraction=round(job.fraction, 3),
+        left_s=None if job.left_s is None else round(job.left_s),
+        printed_s=round(job.printed_s),
+        layer=job.layer,
+        layers=job.layers,
+        filament_mm=round(job.filament_mm),
+    )

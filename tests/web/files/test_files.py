@@ -181,9 +181,9 @@ def test_a_refused_file_names_what_must_be_allowed(web, bridge, tmp_path):
     assert found["plan"]["total_s"] == 90.0
     assert found["problems"][0]["values"] == {"value": "PRINT_START"}
     body = {"path": "/a.gcode", "allow": found["allow"]}
-    assert web.post(f"{API}/job", json=body).status_code == 204
+    assert web.post(f"{API}/job/start", json=body).status_code == 200
     assert bridge.asked[-1] == "print /a.gcode unknown ignore_tools"
-    assert web.post(f"{API}/job", json=body | {"allow": ["anything"]}).status_code == 400
+    assert web.post(f"{API}/job/start", json=body | {"allow": ["anything"]}).status_code == 400
     assert web.get(f"{API}/files/fits?path=a.gcode").json() == {"machines": ["ender3", "corexy"]}
 
 

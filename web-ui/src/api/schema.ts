@@ -370,10 +370,12 @@ export interface FilePath {
 }
 
 /** The path of a file on the card. `allow` is what the print may do in place of a failure, see
- * `Metadata`. */
+ * `Metadata`. `run` is a UUID that the client makes for this print: a request that is repeated
+ * with it, for example because the answer was lost, starts nothing. */
 export interface FileToPrint {
   path: string;
   allow?: ("clamp" | "ignore_tools" | "levelling" | "unknown")[];
+  run?: string;
 }
 
 /** The card: whether it is mounted, the path of the file that is selected for printing, and the
@@ -519,7 +521,8 @@ export interface InterruptedPrint {
  * is host time since the start, with pauses; `filament_mm` is the filament of all extruders for
  * this print, without moves in pauses; `extruding_s` is the part of `printed_s` since the first
  * extrusion, or `printed_s` on a machine without filament. `slicer_layer` and `slicer_layers` are
- * those of SET_PRINT_STATS_INFO; None without it. */
+ * those of SET_PRINT_STATS_INFO; None without it. `run` is the run id with which the print was
+ * started, or empty. */
 export interface JobStatus {
   file: string;
   fraction: number;
@@ -538,6 +541,7 @@ export interface JobStatus {
   extruding_s: number;
   slicer_layer?: number | null;
   slicer_layers?: number | null;
+  run: string;
 }
 
 /** The distances of axes, or of the extruder `e`, from the end of the last move, in mm, and the
@@ -583,6 +587,17 @@ export interface KeyValue {
   setting: string;
   setting_value: string;
   setting_source: string;
+}
+
+/** The newest finished print of the history, from the card or by a host. `number` identifies it;
+ * `run` is the run id with which it was started, or empty; `reason` says why it has failed. An
+ * interrupted print has failed. */
+export interface LastPrint {
+  number: number;
+  file: string;
+  run: string;
+  result: "cancelled" | "done" | "failed";
+  reason: string;
 }
 
 /** A levelling procedure that uses the probe. */
@@ -679,6 +694,12 @@ export interface MachineProblem {
  * and sensor tables, are relative to the folder of the printer's machine file. */
 export interface MachineText {
   text: string;
+}
+
+/** A one-time code, and the seconds for which it is valid. */
+export interface MadeCode {
+  code: string;
+  expires_s: number;
 }
 
 /** A new key. `key` is shown only this once. */
@@ -800,6 +821,22 @@ export interface OutputValue {
   value: number;
 }
 
+/** The id and the name of the printer, and the API key, with the role operator. The key is shown
+ * only this once. */
+export interface Paired {
+  id: string;
+  name: string;
+  key: string;
+}
+
+/** The one-time code, and the name of the program: its key has this name. While there is no
+ * administrator, programs of this computer need no code if no other computer can reach the
+ * printer: any text will do. */
+export interface PairingRequest {
+  code: string;
+  name: string;
+}
+
 /** One or several parameters of a command: letters or keys. `kind` is number, whole number, flag
  * (which needs no number), text, or rest (the rest of the line is a text). `usage` is the names
  * with unit, range and default. `choices` are the valid texts; empty: each is valid. */
@@ -831,9 +868,10 @@ export interface PasswordChange {
   new: string;
 }
 
-/** A finished print. `started_s` is the wall clock in seconds since 1970, None if unknown; `ended`
- * is done, cancelled, failed or interrupted; `print_s` is print time without pauses; `note` is a
- * remark about a problem, or empty. */
+/** A finished print. `number` identifies it; `run` is the run id of its start, or empty;
+ * `started_s` is the wall clock in seconds since 1970, None if unknown; `ended` is done,
+ * cancelled, failed or interrupted; `print_s` is print time without pauses; `note` is a remark
+ * about a problem, or empty. */
 export interface PastPrint {
   file: string;
   size: number;
@@ -842,6 +880,8 @@ export interface PastPrint {
   print_s: number;
   filament_mm: number;
   note: string;
+  run: string;
+  number: number;
 }
 
 /** A thumbnail: the number by which it can be requested, and its size in pixels. */
@@ -943,6 +983,15 @@ export interface RetractionStatus {
   speed_mm_s: number;
   extra_mm: number;
   return_mm_s: number;
+}
+
+/** A print that was started with a run id. `file` is its path on the card; `reason` says why it
+ * has failed. A print that has never begun has failed. */
+export interface Run {
+  run: string;
+  file: string;
+  state: "cancelled" | "done" | "failed" | "paused" | "printing";
+  reason: string;
 }
 
 /** The path of the new machine file. */
@@ -1048,6 +1097,11 @@ export interface StallAxis {
   repeats?: number;
 }
 
+/** `known`: the run id was used before, and nothing has started. */
+export interface Started {
+  known: boolean;
+}
+
 /** The status of a printer at one moment. Positions are the current position in program
  * coordinates, in mm, by axis and `e`; `homed` are the axes with a certain position; fans are
  * fractions of full speed; `time_s` is print time since the start; `halted` is the reason why the
@@ -1056,24 +1110,24 @@ export interface StallAxis {
  * that waits for an answer of the user (M0, a pause), or empty: M876 S0 answers it; `progress` is
  * the fraction of the print that is done; for a print by a host, the host reports it (M73, M532).
  * `job` is None while no file is printed; `ended` is the last print, until another file is
- * selected; `interrupted` is the print that M1000 resumes, None without one; `queue` are the
- * prints that wait; `started`: the boards have started at least once; `macros` are the variables
- * of the macros, by name. Below `min_extrude_c` the hotend of `tool` moves no filament; 0 means
- * no limit (M302). `unsaved` are the settings that M500 would change, as commands with their
- * values, by headings, without those that files and pages change for a while; `saved_variables`
- * are the variables of SAVE_VARIABLE. `bed` is None on a machine without a probe. `moving_s` is
- * the print time for which the machine has printed or moved without a break. `gantry_level`: the
- * Z motors have levelled the gantry, and have been on since then; None on a machine that cannot
- * do this. `skew_profile` is the name of the active saved skew, or empty; None without skew and
- * profiles. `screws` are the last measurements of the bed screws; `screws_limit_mm` is their
- * allowed difference, if it is exceeded. `shapers` are the input shapers by axis, `advances` the
- * pressure advance of each extruder; `retraction` is None on a machine without filament.
- * `cooled_c` are the targets of the heaters that a long pause or a fault has switched off, °C by
- * name: they warm up before the print resumes. `buttons` are the buttons by name, with True while
- * they are pressed. `outputs` are fractions of fully on, without outputs that are fixed;
- * `sensors` are those without a heater; `fan_targets_c` are the targets of the fans with a
- * thermostat, 0 while they are off. `inputs` are those of filament sensors (`filament-` and the
- * name) and buttons (`button-` and the name). */
+ * selected; `last_print` is the newest row of the history; `interrupted` is the print that M1000
+ * resumes, None without one; `queue` are the prints that wait; `started`: the boards have started
+ * at least once; `macros` are the variables of the macros, by name. Below `min_extrude_c` the
+ * hotend of `tool` moves no filament; 0 means no limit (M302). `unsaved` are the settings that
+ * M500 would change, as commands with their values, by headings, without those that files and
+ * pages change for a while; `saved_variables` are the variables of SAVE_VARIABLE. `bed` is None
+ * on a machine without a probe. `moving_s` is the print time for which the machine has printed or
+ * moved without a break. `gantry_level`: the Z motors have levelled the gantry, and have been on
+ * since then; None on a machine that cannot do this. `skew_profile` is the name of the active
+ * saved skew, or empty; None without skew and profiles. `screws` are the last measurements of the
+ * bed screws; `screws_limit_mm` is their allowed difference, if it is exceeded. `shapers` are the
+ * input shapers by axis, `advances` the pressure advance of each extruder; `retraction` is None
+ * on a machine without filament. `cooled_c` are the targets of the heaters that a long pause or a
+ * fault has switched off, °C by name: they warm up before the print resumes. `buttons` are the
+ * buttons by name, with True while they are pressed. `outputs` are fractions of fully on, without
+ * outputs that are fixed; `sensors` are those without a heater; `fan_targets_c` are the targets
+ * of the fans with a thermostat, 0 while they are off. `inputs` are those of filament sensors
+ * (`filament-` and the name) and buttons (`button-` and the name). */
 export interface Status {
   state: PrinterState;
   halted: string;
@@ -1097,6 +1151,7 @@ export interface Status {
   progress?: number | null;
   job?: JobStatus | null;
   ended?: EndedJob | null;
+  last_print?: LastPrint | null;
   interrupted?: InterruptedPrint | null;
   queue: Queue;
   started: boolean;
@@ -1149,6 +1204,39 @@ export interface StoredMesh {
   bed_c?: number | null;
   reference: string;
   interpolation: "bicubic" | "bilinear";
+}
+
+/** One printer. `id` is a UUID that stays when its name or its address changes. */
+export interface Summary {
+  id: string;
+  name: string;
+  version: string;
+  state: "busy" | "halted" | "idle" | "paused" | "printing";
+  job?: SummaryJob | null;
+  last_print?: LastPrint | null;
+  heaters: SummaryHeater[];
+  fault?: FaultStatus | null;
+}
+
+/** A heater in whole degrees. `celsius` is None while its sensor does not report; `target_c` is 0
+ * while it is off. */
+export interface SummaryHeater {
+  name: string;
+  celsius?: number | null;
+  target_c: number;
+}
+
+/** The running print. `run` is the run id that came with its start, or empty. `fraction` is 0 to 1
+ * in thousandths; `left_s` and `layers` are None while they are unknown. */
+export interface SummaryJob {
+  file: string;
+  run: string;
+  fraction: number;
+  left_s?: number | null;
+  printed_s: number;
+  layer: number;
+  layers?: number | null;
+  filament_mm: number;
 }
 
 /** `ages_s` are the times of the samples, in seconds before the answer, oldest first; `sensors`

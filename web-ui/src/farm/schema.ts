@@ -139,8 +139,9 @@ export interface KeyRecord {
   made_s: number;
 }
 
-/** The newest row of the printer's history. `number` increases with each print; `reason` says why
- * it failed, or is empty. */
+/** The newest finished print of the history, from the card or by a host. `number` identifies it;
+ * `run` is the run id with which it was started, or empty; `reason` says why it has failed. An
+ * interrupted print has failed. */
 export interface LastPrint {
   number: number;
   file: string;
@@ -406,8 +407,8 @@ export interface Summary {
   fault?: FaultStatus | null;
 }
 
-/** A heater in whole degrees. `celsius` is None before the first reading; `target_c` is 0 while it
- * is off. */
+/** A heater in whole degrees. `celsius` is None while its sensor does not report; `target_c` is 0
+ * while it is off. */
 export interface SummaryHeater {
   name: string;
   celsius?: number | null;

@@ -49,7 +49,7 @@ export const setFlow = (tool: number, factor: number) =>
 
 /** `allow` is what the print may do in place of a failure, see the metadata of the file. */
 export const startPrint = (path: string, allow: FileToPrint["allow"] = []) =>
-  attempt(call("POST", "job", { path, allow }));
+  attempt(call("POST", "job/start", { path, allow }));
 export const queuePrint = (path: string) => attempt(call("POST", "queue", { path }));
 export const unqueuePrint = (number: number) => attempt(call("DELETE", `queue/prints/${number}`));
 export const moveQueuedPrint = (number: number, place: number) =>

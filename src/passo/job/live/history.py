@@ -18,13 +18,15 @@ create table if not exists prints (
     print_s real not null,
     filament_mm real not null,
     note text not null default '',  -- what went not so well
-    started_s real  -- the wall clock, in seconds since 1970
+    started_s real,  -- the wall clock, in seconds since 1970
+    run text not null default ''  -- the run id of its start
 )
 """
 _RUNS = "create table if not exists runs (id integer primary key, on_s real not null)"
 _LATER = {  # columns that older databases do not have
     "note": "alter table prints add column note text not null default ''",
     "started_s": "alter table prints add column started_s real",
+    "run": "alter table prints add column run text not null default ''",
 }
 
 
@@ -44,7 +46,8 @@ class Totals:
 
 
 class PrintRow(NamedTuple):
-    """A finished print; `started_s` is wall clock time in seconds since 1970, None if unknown."""
+    """A finished print; `number` is that of its row; `started_s` is wall clock time in seconds
+    since 1970, None if unknown; `run` is the run id of its start, or empty."""
 
     file: str
     size: int
@@ -53,6 +56,8 @@ class PrintRow(NamedTuple):
     print_s: float
     filament_mm: float
     note: str
+    run: str
+    number: int
 
 
 class History:
@@ -89,16 +94,17 @@ class History:
         filament_mm: float,
         note: str = "",
         row: int | None = None,
+        run: str = "",
     ) -> int | None:
         """Adds a print, or updates the print with the number `row` if it still exists. Returns the
         number of the row. When this returns, the row survives a power cut."""
         with self._base:
             return self._base.execute(
                 "insert or replace into prints"
-                " (id, file, size, ended, print_s, filament_mm, note, started_s)"
-                " values (?, ?, ?, ?, ?, ?, ?,"
+                " (id, file, size, ended, print_s, filament_mm, note, run, started_s)"
+                " values (?, ?, ?, ?, ?, ?, ?, ?,"
                 " coalesce((select started_s from prints where id = ?), ?))",
-                (row, file, size, ended, print_s, filament_mm, note, row, self._wall_s()),
+                (row, file, size, ended, print_s, filament_mm, note, run, row, self._wall_s()),
             ).lastrowid
 
     def was_on(self, seconds: float) -> None:
@@ -123,7 +129,7 @@ class History:
     def last(self, most: int, but: int | None = None) -> list[PrintRow]:
         """The newest prints, without row `but`."""
         rows = self._base.execute(
-            "select file, size, started_s, ended, print_s, filament_mm, note from prints"
+            "select file, size, started_s, ended, print_s, filament_mm, note, run, id from prints"
             " where id is not ? order by id desc limit ?",
             (but, most),
         )

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from passo.job.live.objects import PrintObjects
     from passo.job.live.progress import Progress
     from passo.job.live.runner import Runner
+    from passo.job.live.statistics import Statistics
     from passo.printer.control import Control
 
 
@@ -27,9 +28,10 @@ class JobStatusReader:
         progress: Progress,
         objects: PrintObjects,
         files: Files,
+        statistics: Statistics,
     ) -> None:
         self._rig, self._runner, self._progress = control.rig, runner, progress
-        self._objects, self._files = objects, files
+        self._objects, self._files, self._statistics = objects, files, statistics
         self._ended: EndedJob | None = None
         runner.watchers.append(self._job_changed)
         control.state.status_parts.append(self._add)
@@ -47,6 +49,7 @@ class JobStatusReader:
             progress=self._progress.share_done(),
             job=self._job_status() if runner.active else None,
             ended=self._ended if runner.ended else None,
+            last_print=self._statistics.last_print,
         )
 
     def _job_changed(self, was: JobState, state: JobState) -> None:
@@ -77,4 +80,5 @@ class JobStatusReader:
             extruding_s=progress.extruding_s,
             slicer_layer=progress.slicer_layers.current,
             slicer_layers=progress.slicer_layers.total,
+            run=runner.run,
         )

@@ -53,7 +53,7 @@ class Program:
     program positions including E, and the axes, by number, that were not homed. `changes` are the
     later changes of settings and modes by consoles, each with the number of bytes of the file that
     were read before it. `macros` is the `crc_of_macros` of the machine. `allow` are the fields of
-    Skips that were allowed for this print."""
+    Skips that were allowed for this print; `run` is its run id, or empty."""
 
     machine: str
     path: str
@@ -67,6 +67,7 @@ class Program:
     changes: list[Change] = field(default_factory=list[Change], compare=False)
     macros: int = field(default=0, compare=False)
     allow: list[str] = field(default_factory=list[str], compare=False)
+    run: str = field(default="", compare=False)
 
     @classmethod
     def of(cls, machine: str, path: str, reader: Reader) -> Self:

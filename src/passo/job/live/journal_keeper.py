@@ -149,9 +149,8 @@ class JournalKeeper:
             control, runner = self._control, self._runner
             program = Program.of(control.machine.uuid, runner.path, reader)
             if self._program is None or self._program != program or runner.offset == 0:
-                self._program = replace(
-                    program.begun(self._control, self._parts.settings), allow=runner.skips.allowed
-                )
+                begun = program.begun(self._control, self._parts.settings)
+                self._program = replace(begun, allow=runner.skips.allowed, run=runner.run)
             elif not followed:  # a line has failed before the first move
                 self._program.changes.append(self._settings.held())
             program = self._program  # a resumed print keeps its start state

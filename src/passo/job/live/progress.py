@@ -126,7 +126,8 @@ class Progress:
         self._watch.reset()
         self._extrusion.reset()
         self._has_extruded = not self._rig.machine.extruders
-        return self._statistics.begun(name, lambda: self._watch.seconds, self._runner.size, meant)
+        size, run = self._runner.size, self._runner.run
+        return self._statistics.begun(name, lambda: self._watch.seconds, size, meant, run)
 
     def _time_passed(self) -> None:
         job = self._from_card

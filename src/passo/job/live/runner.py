@@ -32,7 +32,8 @@ class Runner:
     printer. `reply` receives the answers to commands of the file. `file` is the selected file;
     `watchers` are called with the old and the new state. `ended` is the result of the last print of
     the selected file: done, cancelled or failed. `failed` is the reason why the last print failed,
-    or empty; `problems` are its problems, if known."""
+    or empty; `problems` are its problems, if known. `run` is the run id of the last print, or
+    empty: see `Runs`."""
 
     def __init__(self, control: Control, parts: MachineParts, reply: Reply) -> None:
         self._control, self._parts, self._reply = control, parts, reply
@@ -47,7 +48,7 @@ class Runner:
             *(self._states, reply, self.pause),
         )
         self._skips = control.skips
-        self.ended = self.failed = ""
+        self.ended = self.failed = self.run = ""
         self.problems: tuple[Problem, ...] = ()
         control.state.prints.append(lambda: self.name if self.active else None)
         control.state.stop_listeners.append(self._stopped)
@@ -160,10 +161,10 @@ class Runner:
         finally:
             self._states.enter(JobState.READY)
 
-    def start(self, *, skips: Skips | None = None) -> None:
+    def start(self, *, skips: Skips | None = None, run: str = "") -> None:
         """Starts the selected file at its offset, or ends a pause. `skips` is what the print may do
         in place of a failure: by default that of the printer, and after a failed line that of the
-        print. Raises CommandError."""
+        print. `run` is the run id of a new print. Raises CommandError."""
         if self.state is JobState.PAUSED:
             suspended = self._pause.suspended
             if suspended:
@@ -181,6 +182,8 @@ class Runner:
             raise CommandError.of("job.at-end", value=self.name)
         if skips is not None or not self.stands:
             self._skips = self._control.skips if skips is None else skips.on(self._control.machine)
+        if not self.stands:
+            self.run = run
         self._control.dispatch.allow(self._skips)
         if self._task is not None and not self._task.done():
             self._states.enter(JobState.STARTING)
@@ -300,7 +303,7 @@ class Runner:
             self._control.stops.halt(in_words(fault), f"a fault of the program, {self.failed}")
             self._end()
         if self.state is JobState.STARTING:
-            self.start(skips=self._skips)
+            self.start(skips=self._skips, run=self.run)
 
     def _stopped(self, reason: str) -> None:
         """Called when the machine is stopped during the print. The plan is lost, so the file can

@@ -15,6 +15,7 @@ from passo.gcode.command import Command
 from passo.gcode.parameters import number
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.job.live.history import History, PrintRow
+from passo.printer.status import LastPrint
 from passo.printer.wait_requests import Reply, Wait
 
 if TYPE_CHECKING:
@@ -45,6 +46,7 @@ class Print:
     filament_mm: float
     seconds: Callable[[], float]
     row: int | None = None  # its row in the history
+    run: str = ""  # the run id of its start
 
 
 class Statistics:
@@ -58,10 +60,13 @@ class Statistics:
         self._on_s = self._stored_s = 0.0
         self._seen_s = self._noted_s = control.rig.queue.now_s
         self._job: Print | None = None  # the current print
+        self.last_print: LastPrint | None = None  # the newest finished print
         if directory is None:
             return
         try:
             self._history = History(directory)
+            for row in self._history.last(1):
+                self.last_print = _shown(row)
         except (sqlite3.Error, OSError) as error:
             self._missing = _unusable(directory, error)
             text = f"No history of prints: {error}"
@@ -70,15 +75,20 @@ class Statistics:
         control.lifetime.as_time_passes(self._time_passed)
 
     def begun(
-        self, name: str, seconds: Callable[[], float], size: int = 0, instead: Print | None = None
+        self,
+        name: str,
+        seconds: Callable[[], float],
+        size: int = 0,
+        instead: Print | None = None,
+        run: str = "",
     ) -> Print:
         """Records that a print has begun. If a host has announced the print earlier, `instead` is
-        that record, which is continued. If the program is killed, the history shows the print as
-        interrupted."""
+        that record, which is continued. `run` is the run id of the start. If the program is killed,
+        the history shows the print as interrupted."""
         self._lateness.reset()
         row = instead.row if instead is not None else None
         _log.info("Print of %s started", name, extra={"file": name})
-        self._job = Print(name, size, self._suspension.filament_mm(), seconds, row)
+        self._job = Print(name, size, self._suspension.filament_mm(), seconds, row, run)
         self._note(self._job, "interrupted")
         return self._job
 
@@ -99,6 +109,8 @@ class Statistics:
             extra={"file": job.name, "outcome": how, "seconds": round(job.seconds(), 3)},
         )
         self._note(job, how, reason)
+        number = job.row or (self.last_print.number if self.last_print else 0) + 1
+        self.last_print = _last_print(number, job.name, job.run, how, reason)
 
     def _note(self, job: Print, how: str, reason: str = "") -> None:
         self._noted_s = self._rig.queue.now_s
@@ -107,7 +119,9 @@ class Statistics:
         used = self._suspension.filament_mm() - job.filament_mm
         note = ". ".join(filter(None, (reason, self._lateness.worst)))
         try:
-            job.row = self._history.add(job.name, job.size, how, job.seconds(), used, note, job.row)
+            job.row = self._history.add(
+                *(job.name, job.size, how, job.seconds(), used, note, job.row, job.run)
+            )
         except sqlite3.Error as error:
             text = f"This print is not in the history: {error}"
             self._state.announce(_log, logging.WARNING, text)
@@ -172,6 +186,7 @@ class Statistics:
     def _lines(self, history: History, forget: bool) -> list[str]:
         if forget:
             history.forget()
+            self.last_print = None
             self._on_s = self._stored_s = 0.0
             return []
         self._store()
@@ -192,3 +207,15 @@ class Statistics:
 
 def _unusable(directory: Path | None, error: Exception) -> CommandError:
     return CommandError.of("history.unusable", str(directory or ""), value=error)
+
+
+def _shown(row: PrintRow) -> LastPrint:
+    """A row of the history; one that is not complete was interrupted."""
+    reason = "Passo ended during the print" if row.ended == "interrupted" else row.note
+    return _last_print(row.number, row.file, row.run, row.ended, reason)
+
+
+def _last_print(number: int, file: str, run: str, ended: str, reason: str) -> LastPrint:
+    if ended == "done" or ended == "cancelled":
+        return LastPrint(number, file, run, ended, "")
+    return LastPrint(number, file, run, "failed", reason)

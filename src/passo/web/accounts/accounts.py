@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
-import hmac
 import secrets
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from passo.errors import WebError
 from passo.web.accounts.limiter import Limiter
+from passo.web.accounts.one_time_code import PairingCode, is_code, one_time_code
 from passo.web.accounts.passwords import Passwords
 from passo.web.roles import Role
 
@@ -23,7 +23,6 @@ MAX_AGE_S = 90 * 86400.0  # every log-in ends after this time
 FRESH_S = 300.0  # time after entering the password in which it is not asked for again
 _USED_EVERY_S = 3600.0  # interval at which the use of a log-in is stored
 _MAX_SESSIONS = 50  # for each account; beyond that, the oldest ends
-_CODE = "ABCDEFGHJKLMNPQRSTUVWXYZ23456789"  # without letters and digits that look alike
 KEY_PREFIX = "passo_"
 
 
@@ -74,6 +73,7 @@ class Accounts:
         self._passwords = Passwords()
         self._changing = asyncio.Lock()  # serialises the changes of accounts
         self.limiter = Limiter(now_s)
+        self.pairing = PairingCode(self.limiter, now_s)
         self._accounts = {
             name: Account(name, Role(role), password)
             for name, role, password in store.rows("select name, role, password from accounts")
@@ -89,7 +89,7 @@ class Accounts:
         found = store.rows("select instance from site")
         self.instance: str = found[0][0] if found else secrets.token_hex(4)
         self._unsaved_instance = not found
-        self._code = "" if self._accounts else _one_time_code()
+        self._code = "" if self._accounts else one_time_code()
 
     @property
     def exist(self) -> bool:
@@ -126,7 +126,7 @@ class Accounts:
             raise WebError.of("web.set-up")
         if code is not None:
             self.limiter.attempt(address)
-            if not hmac.compare_digest(code.upper().encode(), self._code.encode()):
+            if not is_code(code, self._code):
                 raise WebError.of("web.code")
             self.limiter.succeeded(address)
         account = Account(name.lower(), Role.ADMIN, await self._passwords.hashed(password))
@@ -319,8 +319,3 @@ class Accounts:
 def _insert(account: Account) -> tuple[str, tuple[object, ...]]:
     statement = "insert or replace into accounts (name, role, password) values (?, ?, ?)"
     return statement, (account.name, int(account.role), account.password)
-
-
-def _one_time_code() -> str:
-    letters = "".join(secrets.choice(_CODE) for _ in range(10))
-    return f"{letters[:5]}-{letters[5:]}"

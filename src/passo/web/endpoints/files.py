@@ -31,7 +31,14 @@ _UPLOAD = (
         "upload.binary",
         "upload.kind",
     ),
-    *("upload.content", "upload.slow", "upload.too-many", "upload.malformed", "upload.offset"),
+    *(
+        "upload.checksum",
+        "upload.content",
+        "upload.slow",
+        "upload.too-many",
+        "upload.malformed",
+        "upload.offset",
+    ),
 )
 _MOST_MACHINES = 4
 _Path = Annotated[str, Meta(min_length=1, max_length=1024)]
@@ -41,6 +48,14 @@ class FilePath(Struct, forbid_unknown_fields=True):
     """The path of a file or folder from the root of the card; `/` separates names."""
 
     path: _Path
+
+
+class FileToStore(Struct, forbid_unknown_fields=True):
+    """The path of a file to upload. `sha256` is the SHA-256 of the whole file, in hexadecimal
+    digits: a file that does not match is refused and not stored."""
+
+    path: _Path
+    sha256: Annotated[str, Meta(pattern=r"^([0-9A-Fa-f]{64})?$")] = ""
 
 
 class FolderQuery(Struct, forbid_unknown_fields=True):
@@ -197,7 +212,7 @@ async def content(call: Call, query: FilePath) -> Response:
     consumes="application/octet-stream",
     status=201,
 )
-async def upload(call: Call, query: FilePath) -> StoredFile:
+async def upload(call: Call, query: FileToStore) -> StoredFile:
     """Uploads a file to the card, and makes its folders. Once it is complete, it replaces a file of
     the same path. Characters that no name may have become `_`: the answer has the new path. If the
     connection is lost, the received bytes are kept for ten minutes: `files.kept` reports their
@@ -210,6 +225,7 @@ async def upload(call: Call, query: FilePath) -> StoredFile:
         async with call.site.uploads.file(
             path, offset=offset, total=total, resumable=True
         ) as incoming:
+            incoming.sha256 = query.sha256 or incoming.sha256
             async for data in body.pieces():
                 await incoming.write(data)
     except PassoError:

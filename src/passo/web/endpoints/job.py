@@ -15,10 +15,18 @@ from passo.web.roles import Role
 
 class FileToPrint(Struct, forbid_unknown_fields=True):
     """The path of a file on the card. `allow` is what the print may do in place of a failure, see
-    `Metadata`."""
+    `Metadata`. `run` is a UUID that the client makes for this print: a request that is repeated
+    with it, for example because the answer was lost, starts nothing."""
 
     path: str
     allow: list[Allowance] = []
+    run: Annotated[str, Meta(max_length=64)] = ""
+
+
+class Started(Struct):
+    """`known`: the run id was used before, and nothing has started."""
+
+    known: bool
 
 
 class ObjectState(Struct, forbid_unknown_fields=True):
@@ -36,16 +44,18 @@ class HowMany(Struct, forbid_unknown_fields=True):
 @operation(
     "job.start",
     "POST",
-    "/job",
+    "/job/start",
     Role.OPERATOR,
     errors=(
         *("card.absent", "card.not-found", "card.directory", "card.removed"),
-        *("job.printing", "command.halted"),
+        *("job.printing", "command.halted", "run.invalid", "run.unwritable", "run.damaged"),
     ),
 )
-async def start(call: Call, body: FileToPrint) -> None:
-    """Prints a file of the card."""
-    await call.bridge.start_print(body.path, body.allow)
+async def start(call: Call, body: FileToPrint) -> Started:
+    """Prints a file of the card. With a run id it is printed at most once: the printer stores the
+    run id before the print starts, and knows the last 100, also after a restart if it has a folder
+    for them (`--state`)."""
+    return Started(await call.bridge.start_print(body.path, body.allow, body.run))
 
 
 @operation("job.pause", "POST", "/job/pause", Role.OPERATOR, errors=("command.halted",))

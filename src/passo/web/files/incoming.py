@@ -3,6 +3,7 @@ when it is complete."""
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, TypeVar
 
@@ -49,6 +50,9 @@ class Incoming:
         self.path, self.total = path, total
         self.offset = 0
         self._waiting = bytearray()
+        self._digest = hashlib.sha256()
+        self.sha256 = ""
+        """The SHA-256 that the file must have, in hexadecimal digits; any if empty."""
         self._written = self._checked = 0
 
     @property
@@ -69,14 +73,19 @@ class Incoming:
         G-code."""
         self.offset += len(data)
         self._waiting += data
+        self._digest.update(data)
         if len(self._waiting) >= _PIECE:
             await self._flush()
 
     async def finish(self) -> None:
         """Completes the file. When this returns, the file is durable and on the card under its
-        name. Raises as `write`, and InputError `input.empty`."""
+        name. Raises as `write`, and InputError `input.empty` and
+        `upload.checksum`."""
         if not self.offset:
             raise InputError.of("input.empty", self.name)
+        digest = self._digest.hexdigest()
+        if self.sha256.strip().lower() not in ("", digest):
+            raise InputError.of("upload.checksum", self.name, value=digest, limit=self.sha256)
         await self._flush()
         await in_worker_thread(self._writer.close)
 
