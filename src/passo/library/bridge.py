@@ -35,14 +35,16 @@ if TYPE_CHECKING:
     from passo.library.planning import Work
     from passo.printer.console_lines import ConsoleLine
     from passo.printer.program_restart import ProgramRestart
-    from passo.printer.status import PrinterState, Queue, QueuedPrint
+    from passo.printer.status import PrinterState, Queue, QueuedPrint, Status
     from passo.printer.unfit_commands import Skips
     from passo.services.observer import Observer
     from passo.services.services import Services
     from passo.web.bridge import Listener, OnLine
 
 _T = TypeVar("_T")
-TICK_S = 0.25  # between two snapshots, of host time, or of print time if that is faster
+# Between two snapshots, of host time, or of print time if that is faster.
+TICK_S = 0.25  # while a listener receives them
+IDLE_TICK_S = 1.0  # else
 
 
 class LiveBridge:
@@ -67,6 +69,7 @@ class LiveBridge:
         self._loop = asyncio.get_running_loop()
         self._scripts = Client(self._control)
         self._overtaking = Client(self._control)
+        self._closed = False
         self._turn = asyncio.Lock()  # scripts run one after the other
         self._in_turn = 0  # scripts that run or wait for their turn
         self._listeners: dict[asyncio.AbstractEventLoop, list[Listener]] = {}
@@ -75,16 +78,17 @@ class LiveBridge:
         self._line_listeners: list[
             tuple[asyncio.AbstractEventLoop, Callable[[ConsoleLine], None]]
         ] = []  # changed in the printer's loop
-        self._latest = self._published = self._snapshot(0)
-        self._ends = [
-            observer.on_status(lambda _: self._tick(), every_s=TICK_S),
-            observer.on_event(self._event),
-        ]
+        self._latest = self._published = self._snapshot(0, self._status.read())
+        self._observer = observer
+        self._every_s: float = IDLE_TICK_S
+        self._end_status = observer.on_status(self._tick, IDLE_TICK_S)
+        self._end_events = observer.on_event(self._event, IDLE_TICK_S)
 
     def close(self) -> None:
         """Ends all calls."""
-        for end in self._ends:
-            end()
+        self._closed = True
+        self._end_status()
+        self._end_events()
         self._listeners.clear()
         self._line_listeners.clear()
         for client in (self._scripts, self._overtaking):
@@ -100,16 +104,15 @@ class LiveBridge:
 
     # -- the printer's loop -----------------------------------------------------------------------
 
-    def _snapshot(self, version: int) -> Snapshot:
-        return Snapshot(version, time.monotonic(), self._status.read())
+    def _snapshot(self, version: int, status: Status) -> Snapshot:
+        return Snapshot(version, time.monotonic(), status)
 
-    def _refresh(self) -> None:
-        snapshot = self._snapshot(self._latest.version + 1)
-        if snapshot.status != self._latest.status:
-            self._latest = snapshot
+    def _refresh(self, status: Status) -> None:
+        if status != self._latest.status:
+            self._latest = self._snapshot(self._latest.version + 1, status)
 
-    def _tick(self) -> None:
-        self._refresh()
+    def _tick(self, status: Status) -> None:
+        self._refresh(status)
         if (snapshot := self._latest) is not self._published:
             self._published = snapshot
             self._tell(lambda listener: listener.on_snapshot(snapshot))
@@ -118,9 +121,18 @@ class LiveBridge:
         """Updates `latest` after a call. Listeners receive the snapshot with the next tick, so that
         many calls do not cause many messages, or at once if the state of the printer or of the
         print has changed."""
-        self._refresh()
+        status = self._status.read()
+        self._refresh(status)
         if _does(self._latest) != _does(self._published):
-            self._tick()
+            self._tick(status)
+
+    def _set_pace(self) -> None:
+        """Sets how often snapshots are taken."""
+        every_s = TICK_S if any(list(self._listeners.values())) else IDLE_TICK_S
+        if every_s != self._every_s and not self._closed:
+            self._every_s = every_s
+            self._end_status()
+            self._end_status = self._observer.on_status(self._tick, every_s)
 
     def _tell(self, tell: Callable[[Listener], None]) -> None:
         """Calls `tell` in each loop once, for any number of listeners."""
@@ -188,7 +200,7 @@ class LiveBridge:
             _call(loop, partial(call, line))
 
     def _event(self, event: Event) -> None:
-        self._tick()  # the snapshot must include what the event reports
+        self._tick(self._status.read())  # the snapshot must include what the event reports
         self._tell(lambda listener: listener.on_event(event))
 
     # -- the web's loop ---------------------------------------------------------------------------
@@ -240,10 +252,12 @@ class LiveBridge:
         """Like `Bridge.listen`."""
         listeners = self._listeners.setdefault(asyncio.get_running_loop(), [])
         listeners.append(listener)
+        _call(self._loop, self._set_pace)
 
         def end() -> None:
             if listener in listeners:
                 listeners.remove(listener)
+                _call(self._loop, self._set_pace)
 
         return end
 

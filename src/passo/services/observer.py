@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from math import inf
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from passo.board.faults import HeaterFault
@@ -26,7 +27,9 @@ if TYPE_CHECKING:
     from passo.printer.status import Status
     from passo.services.services import Services
 
-LOOK_S = 0.25  # host time, and print time, between two checks
+LOOK_S = 0.25  # host time, and print time, between two checks; listeners may need fewer
+# The check of host time comes so much later, because the check of print time usually precedes it.
+_GRACE_S = 0.15
 _CHANGE_C = 1.0
 _T = TypeVar("_T")
 
@@ -42,9 +45,18 @@ class _Listener:
     print_s: float = 0.0
 
 
+@dataclass(frozen=True, slots=True)
+class _EventListener:
+    """A listener to events. Checks for changes are at most `every_s` apart."""
+
+    call: Callable[[Event], object]
+    every_s: float
+
+
 class Observer:
     """Reports the status and events of one printer. Callbacks run in the event loop, never within a
-    call of the printer; their exceptions go to the loop's exception handler."""
+    call of the printer; their exceptions go to the loop's exception handler. The printer is checked
+    only as often as its listeners need, and not at all without them."""
 
     def __init__(self, services: Services) -> None:
         control, jobs, status = services.control, services.jobs, services.status
@@ -52,46 +64,60 @@ class Observer:
         self._runner, self._progress, self._status = jobs.runner, jobs.progress, status
         self._loop = asyncio.get_running_loop()
         self._listeners: list[_Listener] = []
-        self._event_listeners: list[Callable[[Event], object]] = []
+        self._event_listeners: list[_EventListener] = []
         self._last = status.read()
         self._shown_c = {name: heater.current_c for name, heater in self._last.heaters.items()}
         self._layer = self._last.job.layer if self._last.job else 0
-        self._host_s = self._print_s = 0.0  # times of the next check
-        self._beat = self._loop.call_later(LOOK_S, self._on_beat)
+        self._host_s = self._print_s = inf  # times of the next check
+        self._beat: asyncio.TimerHandle | None = None
         control.lifetime.as_time_passes(self._time_passed)
         control.state.listeners.append(self._on_message)
         control.rig.macros.remote_listeners.append(self._on_remote_call)
         jobs.runner.watchers.append(self._job_changed)
 
     def on_status(self, call: Callable[[Status], object], every_s: float) -> Callable[[], None]:
-        """Calls `call` with the status now, and then at intervals of at least `every_s` seconds of
-        host time, or of print time if that is faster. Returns a function that ends this."""
+        """Calls `call` with the status now, and then at intervals of at least `every_s` seconds
+        (at least `LOOK_S`) of host time, or of print time if that is faster. Returns a function
+        that ends this."""
         self._look()
-        listener = _Listener(call, every_s)
+        listener = _Listener(call, max(every_s, LOOK_S))
         self._listeners.append(listener)
         self._report(self._status.read())
+        self._plan_check()
         return lambda: _remove(self._listeners, listener)
 
-    def on_event(self, call: Callable[[Event], object]) -> Callable[[], None]:
+    def on_event(
+        self, call: Callable[[Event], object], every_s: float = LOOK_S
+    ) -> Callable[[], None]:
         """Calls `call` with the messages from the start of the printer, and then with each event.
-        Returns a function that ends this."""
+        Changes of the status are noticed within `every_s` seconds, or earlier if another listener
+        needs that. Returns a function that ends this."""
         if not (self._listeners or self._event_listeners):
             self._last = self._status.read()  # do not report earlier changes
-        self._event_listeners.append(call)
+        listener = _EventListener(call, every_s)
+        self._event_listeners.append(listener)
+        self._plan_check()
         for text in self._state.unreported:
             self._loop.call_soon(call, Message(text))
-        return lambda: _remove(self._event_listeners, call)
+        return lambda: _remove(self._event_listeners, listener)
 
     def close(self) -> None:
         """Stops reporting."""
-        self._beat.cancel()
         self._listeners.clear()
         self._event_listeners.clear()
+        self._plan_check()
 
-    def _on_beat(self) -> None:
-        self._beat = self._loop.call_later(LOOK_S, self._on_beat)
-        if self._loop.time() >= self._host_s:
-            self._look()
+    def _plan_check(self) -> None:
+        """Plans the next check, for the listener that is due first."""
+        host_s, print_s = self._loop.time(), self._rig.queue.now_s
+        wait_s = min((listener.every_s for listener in self._event_listeners), default=inf)
+        self._host_s = min([host_s + wait_s, *(one.host_s for one in self._listeners)])
+        self._print_s = min([print_s + wait_s, *(one.print_s for one in self._listeners)])
+        if self._beat is not None:
+            self._beat.cancel()
+        self._beat = None
+        if self._host_s < inf:
+            self._beat = self._loop.call_at(self._host_s + _GRACE_S, self._look)
 
     def _time_passed(self) -> None:
         if self._rig.queue.now_s >= self._print_s:
@@ -119,19 +145,19 @@ class Observer:
         self._emit(RemoteCall(method, dict(arguments)))
 
     def _emit(self, event: Event) -> None:
-        for call in self._event_listeners:
-            self._loop.call_soon(call, event)
+        for listener in self._event_listeners:
+            self._loop.call_soon(listener.call, event)
 
     def _look(self) -> None:
-        self._host_s = self._loop.time() + LOOK_S
-        self._print_s = self._rig.queue.now_s + LOOK_S
         if not (self._listeners or self._event_listeners):
+            self._plan_check()
             return
         status, last = self._status.read(), self._last
         self._last = status
         for event in self._changes(last, status):
             self._emit(event)
         self._report(status)
+        self._plan_check()
 
     def _report(self, status: Status) -> None:
         host_s, print_s = self._loop.time(), self._rig.queue.now_s

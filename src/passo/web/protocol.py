@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from email.utils import formatdate
 from ipaddress import ip_address
 
 from uvicorn.protocols.http.h11_impl import H11Protocol, RequestResponseCycle
@@ -53,6 +54,8 @@ class LimitedProtocol(H11Protocol):
 
     def data_received(self, data: bytes) -> None:
         """Called when bytes have arrived. The timeout of headers runs until they are complete."""
+        date = formatdate(usegmt=True).encode()
+        self.server_state.default_headers = [(b"date", date)]  # else uvicorn would tick for it
         super().data_received(data)
         # not in `connections`: it is a WebSocket now
         if self._asked or self not in self.connections:

@@ -8,6 +8,7 @@ import logging
 import socket
 import threading
 from collections.abc import Callable, Coroutine, Generator
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import uvicorn
@@ -41,11 +42,30 @@ def configuration(app: ASGIApp) -> uvicorn.Config:
 
 
 class _Server(uvicorn.Server):
-    """A server that leaves signals to the program."""
+    """A server that leaves signals to the program, and has nothing to do without connections."""
+
+    def __init__(self, config: uvicorn.Config) -> None:
+        self._ended = asyncio.Event()
+        super().__init__(config)
+
+    @property
+    def should_exit(self) -> bool:
+        """Whether the server must end. Set it in the event loop of the server."""
+        return self._ended.is_set()
+
+    @should_exit.setter
+    def should_exit(self, value: bool) -> None:  # pyright: ignore[reportIncompatibleVariableOverride]
+        if value:
+            self._ended.set()
 
     @contextlib.contextmanager
     def capture_signals(self) -> Generator[None]:
+        """Leaves the handlers of signals as they are."""
         yield
+
+    async def main_loop(self) -> None:
+        """Returns when the server must end."""
+        await self._ended.wait()
 
 
 def server(app: ASGIApp) -> uvicorn.Server:
@@ -95,7 +115,8 @@ class WebThread:
     def serve(self, app: ASGIApp, listening: socket.socket) -> None:
         """Serves an application on a listening socket."""
         served = server(app)
-        self._closers.append(lambda: setattr(served, "should_exit", True))
+        end = partial(setattr, served, "should_exit", True)
+        self._closers.append(lambda: self._loop.call_soon_threadsafe(end))
         self.start(served.serve(sockets=[listening]))
 
     def close(self) -> None:
