@@ -44,13 +44,19 @@ class Start:
 
 class FakePrinter:
     """A printer that prints for `print_s` and heats for `heat_s` of it. `knows_runs` is False for a
-    firmware that keeps no ids of runs."""
+    firmware that keeps no ids of runs; `clears_itself` for one that ejects a finished print."""
 
     def __init__(
-        self, name: str, heat_s: float = 120.0, print_s: float = 1800.0, knows_runs: bool = True
+        self,
+        name: str,
+        heat_s: float = 120.0,
+        print_s: float = 1800.0,
+        knows_runs: bool = True,
+        clears_itself: bool = False,
     ) -> None:
         self.id, self.name = f"id-{name}", name
-        self.heat_s, self.print_s, self.knows_runs = heat_s, print_s, knows_runs
+        self.heat_s, self.print_s = heat_s, print_s
+        self.knows_runs, self.clears_itself = knows_runs, clears_itself
         self.state = "idle"
         self.job: FakePrint | None = None
         self.last: LastPrint | None = None
@@ -196,6 +202,8 @@ class FakePrinter:
         run = self.job.run if self.knows_runs else ""
         if run:
             self.runs[run] = (self.job.path, result, reason)
+        if self.clears_itself and result == "done":
+            self.on_bed = False
         self.last = LastPrint(self.number, self.job.path, run, result, reason)
         self.job = None
         if self.state != "halted":
@@ -221,16 +229,16 @@ class Network:
 
 
 class FakeLink:
-    """A `Link` to a fake printer. `called` is told of each request before it leaves the hub, and
-    `answered` after its effect, before its answer arrives."""
+    """A `Link` to a fake printer. `called` is called before a request leaves the hub, and returns
+    its number; `answered` is called with it after the effect, before the answer arrives."""
 
     def __init__(
         self,
         printer: FakePrinter,
         chance: Random,
         network: Network,
-        called: Callable[[str], None] = lambda what: None,
-        answered: Callable[[str], None] = lambda what: None,
+        called: Callable[[], int] = lambda: 0,
+        answered: Callable[[int], None] = lambda number: None,
     ) -> None:
         self.printer, self._chance, self._network = printer, chance, network
         self._called, self._answered = called, answered
@@ -284,11 +292,11 @@ class FakeLink:
             self.printer.files[path] = sha256
             return path
 
-        return await self._request("upload", effect, self._network.upload_s)
+        return await self._request(effect, self._network.upload_s)
 
     async def start(self, run: str, path: str, user: str) -> None:
         self.printer.users.append(user)
-        await self._request("start", lambda: self.printer.start(run, path))
+        await self._request(lambda: self.printer.start(run, path))
 
     async def report(self, run: str) -> RunReport | None:
         def effect() -> RunReport | None:
@@ -300,23 +308,23 @@ class FakeLink:
             paused = found[1] == "printing" and self.printer.state == "paused"
             return RunReport("paused" if paused else found[1], found[2])
 
-        return await self._request("report", effect)
+        return await self._request(effect)
 
     async def pause(self, user: str) -> None:
         self.printer.users.append(user)
-        await self._request("pause", self.printer.pause)
+        await self._request(self.printer.pause)
 
     async def resume(self, user: str) -> None:
         self.printer.users.append(user)
-        await self._request("resume", self.printer.resume)
+        await self._request(self.printer.resume)
 
     async def cancel(self, user: str) -> None:
         self.printer.users.append(user)
-        await self._request("cancel", self.printer.cancel)
+        await self._request(self.printer.cancel)
 
     async def stop(self, user: str) -> None:
         self.printer.users.append(user)
-        await self._request("stop", self.printer.stop)
+        await self._request(self.printer.stop)
 
     async def machine(self) -> str:
         return ""
@@ -327,8 +335,8 @@ class FakeLink:
     async def close(self) -> None:
         pass
 
-    async def _request(self, what: str, effect: Callable[[], Any], takes_s: float = 0.0) -> Any:
-        self._called(what)
+    async def _request(self, effect: Callable[[], Any], takes_s: float = 0.0) -> Any:
+        number = self._called()
         loop = asyncio.get_running_loop()
         answer: asyncio.Future[Any] = loop.create_future()
         fate, network = self._chance.random(), self._network
@@ -346,7 +354,7 @@ class FakeLink:
                 result: Any = effect()
             except (Refused, StartUnknown) as error:
                 result = error
-            self._answered(what)
+            self._answered(number)
             if not unanswered and not answer.done():
                 if isinstance(result, Exception):
                     answer.set_exception(result)

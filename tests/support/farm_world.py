@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import sqlite3
 from collections.abc import Awaitable, Callable
 from pathlib import Path
@@ -97,15 +98,16 @@ class World:
     def _link(self, record: PrinterRecord) -> FakeLink:
         life = self.kills
 
-        def called(what: str) -> None:
+        def called() -> int:
             if life != self.kills or self.disk.dead:
                 raise Killed
-            self.at_link(self.link_calls, False)
+            self.link_calls += 1
+            self.at_link(self.link_calls - 1, False)
+            return self.link_calls - 1
 
-        def answered(what: str) -> None:
+        def answered(number: int) -> None:
             if life == self.kills and not self.disk.dead:
-                self.link_calls += 1
-                self.at_link(self.link_calls - 1, True)
+                self.at_link(number, True)
 
         return FakeLink(self.printers[record.id], self.chance, self.network, called, answered)
 
@@ -158,7 +160,7 @@ class World:
 
     def shown(self, printer: FakePrinter) -> PrinterView:
         """A printer in the view of the farm."""
-        return next(one for one in self.farm.view().printers if one.id == printer.id)
+        return self.farm.printer(printer.id)
 
     def states(self) -> dict[str, str]:
         """The state of each run, by id."""
@@ -186,10 +188,26 @@ def play(test: Callable[[], Awaitable[_T]]) -> _T:
             loop.default_exception_handler(context)
 
     loop.set_exception_handler(failed)
+    logger, errors = logging.getLogger("passo.hub"), _Errors()
+    logger.addHandler(errors)
     try:
         return loop.run_until_complete(_main(test))
     finally:
+        logger.removeHandler(errors)
         loop.close()
+        assert errors.lines == []
+
+
+class _Errors(logging.Handler):
+    """The errors that the hub logs: its own faults, which nothing else shows."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.ERROR)
+        self.lines: list[str] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if "disk is full" not in record.getMessage():
+            self.lines.append(self.format(record))
 
 
 async def _main(test: Callable[[], Awaitable[_T]]) -> _T:

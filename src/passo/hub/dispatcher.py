@@ -52,10 +52,9 @@ class Dispatcher:
                 texts[job.id] = "The job is paused"
             else:
                 order = self._order(job)
-                kind = (order.file, order.needs, order.tags, order.by_each, order.each)
-                if kind not in known:
-                    known[kind] = reason(order, places, self._fits)
-                texts[job.id] = known[kind]
+                if order.kind not in known:
+                    known[order.kind] = reason(order, places, self._fits)
+                texts[job.id] = known[order.kind]
         return texts
 
     def used_w(self) -> dict[str, float]:
@@ -64,10 +63,10 @@ class Dispatcher:
 
     def _withdraw(self, now_s: float) -> None:
         """Takes runs away from printers that cannot start them any more."""
-        for printer in self._store.printers.values():
-            run = self._store.active_run(printer.id)
-            if run is None or run.state not in _EARLY:
+        for run in self._store.active_runs:
+            if run.state not in _EARLY:
                 continue
+            printer = self._store.printers[run.printer]
             contact = self._tasks[printer.id].contact
             why = self._unfit(printer, contact, now_s)
             if why or self._store.jobs[run.job].paused:
@@ -85,11 +84,11 @@ class Dispatcher:
 
     def _taken(self, printer: PrinterRow, contact: Contact, now_s: float) -> str:
         """Why nothing starts on a printer, whatever its run is."""
-        seen = contact.now
         if printer.service:
             return "in service"
         if printer.attention:
             return "needs attention"
+        seen = contact.now
         if seen is None:
             condition = contact.condition(now_s)
             return condition if condition == "unreachable" else "connecting"
@@ -128,7 +127,12 @@ class Dispatcher:
         )
 
     def _assign(self, now_s: float) -> None:
-        free = [place for place in self._places(now_s) if not place.taken]
+        free = [
+            self._place(printer, now_s)
+            for printer in self._store.printers.values()
+            if self._store.is_free(printer.id)
+            and not self._taken(printer, self._tasks[printer.id].contact, now_s)
+        ]
         if not free:
             return
         orders = [
@@ -169,11 +173,10 @@ class Dispatcher:
                 task.admit(self._store.runs[run])
 
     def _ready(self, now_s: float) -> Iterator[RunRow]:
-        for printer in self._store.printers.values():
-            run = self._store.active_run(printer.id)
-            if run is not None and run.state is _S.UPLOADED:
-                contact = self._tasks[printer.id].contact
-                if not self._taken(printer, contact, now_s):
+        for run in self._store.active_runs:
+            if run.state is _S.UPLOADED:
+                printer = self._store.printers[run.printer]
+                if not self._taken(printer, self._tasks[printer.id].contact, now_s):
                     yield run
 
     def _turn(self, run: RunRow) -> tuple[int, float, int, float, str]:

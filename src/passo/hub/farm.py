@@ -18,6 +18,7 @@ from passo.hub.printer_wishes import PrinterWishes
 from passo.hub.service import ServiceItems
 from passo.hub.store import Store
 from passo.hub.views import Farm as FarmView
+from passo.hub.views import PrinterView
 
 
 def fits_always(sha256: str, printer: str) -> Fit:
@@ -60,6 +61,10 @@ class Farm(PrinterWishes, JobWishes, ServiceItems, History):
     def view(self) -> FarmView:
         """The farm at this moment."""
         return self._picture.view()
+
+    def printer(self, id: str) -> PrinterView:
+        """A printer at this moment. Raises WebError."""
+        return self._picture.printer(self._parts.printer(id))
 
     def listen(self, changed: Callable[[], None]) -> Callable[[], None]:
         """Calls `changed` after each change of the view; returns a function that ends this."""

@@ -53,6 +53,11 @@ class Order:
     each: frozenset[str] = frozenset()
     failed_on: frozenset[str] = frozenset()
 
+    @property
+    def kind(self) -> tuple[object, ...]:
+        """Equal for jobs that suit the same printers."""
+        return self.file, self.needs, self.says, self.tags, self.by_each, self.each
+
 
 Fits = Callable[[str, str], Fit | None]  # of a file (SHA-256) and a printer; None: not known yet
 
@@ -75,14 +80,13 @@ def match(orders: Sequence[Order], places: Sequence[Place], fits: Fits) -> list[
     for order in queue:
         if not free:
             break
-        kind = (order.file, order.needs, order.tags, order.by_each, order.each)
-        if kind in hopeless:
+        if order.kind in hopeless:
             continue
         left = order.each
         for _ in range(order.copies):
             suited = [p for p in free if _obstacle(order, p, fits, left) is None]
             if not suited:
-                hopeless.add(kind)
+                hopeless.add(order.kind)
                 break
             others = asked - Counter({order.needs: 1})
             best = min(suited, key=lambda place: _rank(order, place, others, fits))

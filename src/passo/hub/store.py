@@ -137,6 +137,16 @@ class Store:
         run = self._active.get(printer)
         return self.runs[run] if run is not None else None
 
+    @property
+    def active_runs(self) -> list[RunRow]:
+        """The runs that are not over, at most one on a printer."""
+        runs = self.runs
+        return [runs[run] for run in self._active.values()]
+
+    def is_free(self, printer: str) -> bool:
+        """Whether no run is on a printer."""
+        return printer not in self._active
+
     def next_number(self) -> int:
         """A number for a new job, greater than all others."""
         self._last_job += 1
