@@ -9,6 +9,7 @@ from passo.config.exporting.settings import Sections
 from passo.errors import CommandError
 from passo.library.bridge import LiveBridge
 from passo.printer.klipper.objects import objects
+from passo.web.klippy.engine import Engine
 
 HEAT_AND_PRINT = "\n".join(
     [
@@ -38,6 +39,8 @@ def on_printer(test, tmp_path, machine="i3"):
 
     async def main():
         async with passo.Printer(machine, card=str(card), state=str(state)) as printer:
+            engine = Engine(printer._bridge, lambda _: None, now_s=lambda: 0.0)
+            printer._bridge.listen(engine)  # as the socket does
             await test(printer._bridge)
 
     passo.run(main(), clock="virtual")
