@@ -171,8 +171,15 @@ class FakePrinter:
             end()
 
     def freeze(self) -> None:
-        """The network swallows everything, until `thaw`."""
-        self.silent_since_s = asyncio.get_running_loop().time()
+        """The network swallows everything, until `thaw`. The hub notices it after a while."""
+        loop = asyncio.get_running_loop()
+        self.silent_since_s = since_s = loop.time()
+
+        def notice() -> None:
+            if self.silent_since_s == since_s:
+                self.disconnect()
+
+        loop.call_later(SILENT_S, notice)
 
     def thaw(self) -> None:
         """The network is back."""

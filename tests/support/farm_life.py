@@ -93,8 +93,7 @@ class Life:
             printer.disconnect()
         elif what == "freeze":
             printer.freeze()
-            loop.call_later(20.0, printer.disconnect)
-            loop.call_later(max(for_s, 25.0), printer.thaw)
+            loop.call_later(for_s, printer.thaw)
         elif what == "off":
             printer.reachable = False
             printer.disconnect()
