@@ -27,6 +27,7 @@ _GC_THRESHOLD = 20_000
 COMMANDS: dict[str, str] = {
     "print": "print a file on a simulated board, to the end, and say what came out",
     "serve": "serve a printer to OctoPrint and other hosts, on serial, pty, TCP or a terminal",
+    "hub": "serve a farm: many printers, one queue, one page",
     "estimate": "say how long a file takes, by layer, feature and limit",
     "steps": "write every step of every motor, as the board executed it",
     "explain": "show what one line of a file becomes: plan, steps, bytes",

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
 from passo.cli.clock import factor
+from passo.cli.host_port import host_port
 from passo.cli.log_file import LEVELS, LogFile
 from passo.cli.machine_option import add_machine, add_policy, add_skips, skips_of
 from passo.cli.main import endings
@@ -72,7 +73,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     consoles.add_argument(
         "--tcp",
         action="append",
-        type=_tcp,
+        type=host_port,
         default=[],
         metavar="HOST:PORT",
         help=f"TCP; {_TCP[0]}:{_TCP[1]} if no console is named",
@@ -179,18 +180,9 @@ def _state(text: str) -> str:
     return text
 
 
-def _tcp(text: str) -> tuple[str, int]:
-    """Host and port: `printer.local:2323`, `[::1]:2323`, `:2323` for this computer alone."""
-    host, colon, port = text.rpartition(":")
-    host = host.removeprefix("[").removesuffix("]")
-    if not (colon and port.isascii() and port.isdigit() and int(port) < 65536):
-        raise argparse.ArgumentTypeError(f"{text!r} is not HOST:PORT, with a port below 65536")
-    return host or _TCP[0], int(port)
-
-
 def _http(text: str) -> tuple[str, int] | str:
-    """Like `_tcp`, or `none`."""
-    return text if text == "none" else _tcp(text)
+    """Like `host_port`, or `none`."""
+    return text if text == "none" else host_port(text)
 
 
 def _serial(text: str) -> tuple[str, int]:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from passo.hub.contents import Contents
     from passo.hub.control import FarmControl
     from passo.hub.link import PrinterRecord
+    from passo.hub.matching import Fits
     from passo.hub.proposals import Proposals
     from passo.hub.views import Farm, FileView, JobView, PrinterView
     from passo.hub.wishes import NewPrinter
@@ -21,11 +22,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class HubSite:
-    """The farm, the contents of its files, the limits of accounts, how a printer is made known, and
-    the printers that multicast DNS has found."""
+    """The farm, the contents of its files, whether these fit printers, the limits of accounts, how
+    a printer is made known, and the printers that multicast DNS has found."""
 
     farm: FarmControl
     contents: Contents
+    fits: Fits
     limits: Limits
     pair: Callable[[NewPrinter], Awaitable[PrinterRecord]]
     proposals: Proposals

@@ -262,6 +262,15 @@ export interface PrinterChange {
   clears_itself?: boolean;
 }
 
+/** Whether a file fits a printer, null while it is being planned; `why` not. `print_s` is its
+ * estimate on this machine, null if it is not known. */
+export interface PrinterFit {
+  printer: string;
+  fits?: boolean | null;
+  why: string;
+  print_s?: number | null;
+}
+
 /** The hub's runs on a printer. */
 export interface PrinterStatistics {
   printer: string;
