@@ -17,6 +17,7 @@ export default defineConfig({
     emptyOutDir: true,
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
+    rolldownOptions: { input: ["index.html", "farm.html"] },
   },
   server: { fs: { allow: [".", DRAW] }, proxy: { "/api": { target: printer, ws: true } } },
 });

@@ -35,6 +35,13 @@ export function clockTime(at: Date, now: Date): string {
   return at.toLocaleTimeString(undefined, options);
 }
 
+/** A time of day of seconds since 1970, with the day if it is not today. */
+export function dayTime(since_1970_s: number, now = new Date()): string {
+  const at = new Date(since_1970_s * 1000);
+  const today = at.toDateString() === now.toDateString();
+  return at.toLocaleString(undefined, today ? { timeStyle: "short" } : { dateStyle: "medium", timeStyle: "short" });
+}
+
 /** A size in kB or MB of 1000. */
 export function bytes(size: number): string {
   if (size < 1000) return `${size} B`;
