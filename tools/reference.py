@@ -8,6 +8,7 @@ from tools.references import (
     boards,
     client_stub,
     commands,
+    course,
     errors,
     http_api,
     machine_file,
@@ -43,13 +44,22 @@ PAGES = {
 }
 
 
+COURSE = FOLDER.parent / "course"
+
+
 def main() -> None:
-    """Writes the pages that have changed, and names them."""
-    for name, page in PAGES.items():
-        path, text = FOLDER / name, page()
+    """Writes the pages that have changed, and names them; removes those of removed lessons."""
+    pages = {FOLDER / name: page() for name, page in PAGES.items()}
+    lessons = {COURSE / name: text for name, text in course.files().items()}
+    for path, text in (pages | lessons).items():
         if not path.exists() or path.read_text(encoding="utf-8") != text:
+            path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, encoding="utf-8")
             print(path)
+    for path in COURSE.rglob("*.*"):
+        if path not in lessons:
+            path.unlink()
+            print(f"{path} is removed")
 
 
 if __name__ == "__main__":

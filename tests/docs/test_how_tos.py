@@ -37,7 +37,7 @@ RUN = (
 )
 CHANGES = (
     *("add-a-command", "add-a-sensor", "add-a-geometry", "add-a-motion-filter", "add-a-probe"),
-    *("add-an-endpoint", "add-an-importer-row"),
+    *("add-an-endpoint", "add-an-importer-row", "add-a-lesson"),
 )
 SILENT = ("add-a-geometry", "add-a-motion-filter", "add-an-endpoint")  # they show no output
 

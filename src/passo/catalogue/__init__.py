@@ -21,6 +21,7 @@ from passo.catalogue.hub import HUB
 from passo.catalogue.importing import IMPORT
 from passo.catalogue.input import INPUT
 from passo.catalogue.job import JOB
+from passo.catalogue.learn import LEARN
 from passo.catalogue.levelling import LEVELLING
 from passo.catalogue.light import LIGHT
 from passo.catalogue.link import LINK
@@ -53,6 +54,7 @@ CATALOGUE: Mapping[str, Entry] = {
     **SHOWN,
     **DRIVER,
     **FIRMWARE,
+    **LEARN,
     **LEVELLING,
     **RESONANCE,
     **STUDY,

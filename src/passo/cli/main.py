@@ -31,6 +31,8 @@ COMMANDS: dict[str, str] = {
     "estimate": "say how long a file takes, by layer, feature and limit",
     "steps": "write every step of every motor, as the board executed it",
     "explain": "show what one line of a file becomes: plan, steps, bytes",
+    "learn": "show the course: lessons with experiments and questions, in English or Italian",
+    "calculate": "calculate with the formulas of the lessons: steps per mm, currents, heat",
     "report": "write one page with pictures: path, speeds, temperatures, limits",
     "lab": "print a file under several settings of the motion, and compare ringing and lines",
     "batch": "compute many files on many machines under many settings, as a table",

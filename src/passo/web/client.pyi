@@ -3,6 +3,8 @@
 import builtins
 import passo.job.live.runs
 import passo.learn.explanation
+import passo.learn.lesson
+import passo.learn.views
 import passo.printer.status
 import passo.web.answers
 import passo.web.bridge
@@ -480,6 +482,57 @@ class Job:
         limit: int = ...,
     ) -> builtins.list[passo.web.bridge.PastPrint]:
         """The last finished prints, newest first."""
+        ...
+
+class Lessons:
+    def list(
+        self,
+        language: typing.Literal['en', 'it'] = ...,
+    ) -> passo.learn.views.CourseView:
+        """The path of the course, and the calculators."""
+        ...
+    def get(
+        self,
+        name: str,
+        language: typing.Literal['en', 'it'] = ...,
+    ) -> passo.learn.views.LessonView:
+        """A lesson: its texts with the numbers of its experiment, its questions, and the
+        code that it explains."""
+        ...
+    def run(
+        self,
+        name: str,
+        language: typing.Literal['en', 'it'] = ...,
+        values: dict[str, float | str] = ...,
+    ) -> passo.learn.views.OutcomeView:
+        """Runs the experiment of a lesson with other values."""
+        ...
+    def check(
+        self,
+        name: str,
+        question: int,
+        answer: float,
+        language: typing.Literal['en', 'it'] = ...,
+    ) -> passo.learn.lesson.Checked:
+        """Checks the answer to a question, which is counted from 0. The text explains the
+        right answer, or is the hint for the mistake that leads to a wrong one."""
+        ...
+
+class Calculators:
+    def get(
+        self,
+        name: str,
+        language: typing.Literal['en', 'it'] = ...,
+    ) -> passo.learn.views.ExperimentView:
+        """A calculator with its parameters, and its outcome with their defaults."""
+        ...
+    def run(
+        self,
+        name: str,
+        language: typing.Literal['en', 'it'] = ...,
+        values: dict[str, float | str] = ...,
+    ) -> passo.learn.views.OutcomeView:
+        """Calculates with other values."""
         ...
 
 class Lights:
@@ -1300,6 +1353,57 @@ class AsyncJob:
         """The last finished prints, newest first."""
         ...
 
+class AsyncLessons:
+    async def list(
+        self,
+        language: typing.Literal['en', 'it'] = ...,
+    ) -> passo.learn.views.CourseView:
+        """The path of the course, and the calculators."""
+        ...
+    async def get(
+        self,
+        name: str,
+        language: typing.Literal['en', 'it'] = ...,
+    ) -> passo.learn.views.LessonView:
+        """A lesson: its texts with the numbers of its experiment, its questions, and the
+        code that it explains."""
+        ...
+    async def run(
+        self,
+        name: str,
+        language: typing.Literal['en', 'it'] = ...,
+        values: dict[str, float | str] = ...,
+    ) -> passo.learn.views.OutcomeView:
+        """Runs the experiment of a lesson with other values."""
+        ...
+    async def check(
+        self,
+        name: str,
+        question: int,
+        answer: float,
+        language: typing.Literal['en', 'it'] = ...,
+    ) -> passo.learn.lesson.Checked:
+        """Checks the answer to a question, which is counted from 0. The text explains the
+        right answer, or is the hint for the mistake that leads to a wrong one."""
+        ...
+
+class AsyncCalculators:
+    async def get(
+        self,
+        name: str,
+        language: typing.Literal['en', 'it'] = ...,
+    ) -> passo.learn.views.ExperimentView:
+        """A calculator with its parameters, and its outcome with their defaults."""
+        ...
+    async def run(
+        self,
+        name: str,
+        language: typing.Literal['en', 'it'] = ...,
+        values: dict[str, float | str] = ...,
+    ) -> passo.learn.views.OutcomeView:
+        """Calculates with other values."""
+        ...
+
 class AsyncLights:
     async def set(
         self,
@@ -1706,6 +1810,10 @@ class Client:
     @property
     def job(self) -> Job: ...
     @property
+    def lessons(self) -> Lessons: ...
+    @property
+    def calculators(self) -> Calculators: ...
+    @property
     def lights(self) -> Lights: ...
     @property
     def logs(self) -> Logs: ...
@@ -1773,6 +1881,10 @@ class AsyncClient:
     def inputs(self) -> AsyncInputs: ...
     @property
     def job(self) -> AsyncJob: ...
+    @property
+    def lessons(self) -> AsyncLessons: ...
+    @property
+    def calculators(self) -> AsyncCalculators: ...
     @property
     def lights(self) -> AsyncLights: ...
     @property

@@ -183,6 +183,18 @@ export interface BuildOrder {
   text?: string | null;
 }
 
+/** The result of an answer: whether it is right, and what to read next. */
+export interface Checked {
+  right: boolean;
+  text: string;
+}
+
+/** A value of a parameter that has only a few, with its name. */
+export interface ChoiceView {
+  value: number | string;
+  text: string;
+}
+
 /** The user confirms that no print is left on the bed. */
 export interface ClearBed {
   bed_clear: boolean;
@@ -193,6 +205,12 @@ export interface Command {
   code: string;
   text: string;
   parameters: Parameter[];
+}
+
+/** The path of the course, and the calculators. */
+export interface CourseView {
+  chapters: ListedChapter[];
+  calculators: ListedCalculator[];
 }
 
 /** `changes` are the keys whose values differ from those of the running machine; values from files
@@ -226,6 +244,15 @@ export interface EndedJob {
   reason: string;
   job: JobStatus;
   problems: FaultStatus[];
+}
+
+/** An experiment with its parameters, and its outcome with the defaults. */
+export interface ExperimentView {
+  name: string;
+  title: string;
+  about: string;
+  parameters: ParameterView[];
+  outcome: OutcomeView;
 }
 
 /** A command of the line: its effect, and its words as read by the lexer. `code` is empty for a
@@ -421,6 +448,21 @@ export interface Folder {
   entries: FileEntry[];
 }
 
+/** The answer to a question of a lesson. */
+export interface GivenAnswer {
+  language?: "en" | "it";
+  answer: number;
+}
+
+/** Lines of one unit over one axis, which `across` names. The vertical axis reaches `values`. */
+export interface GraphView {
+  title: string;
+  across: string;
+  unit: string;
+  values: number[];
+  curves: LineView[];
+}
+
 /** A heater. `max_c` is the temperature above which it is switched off. */
 export interface HeaterOfMachine {
   kind: "bed" | "chamber" | "hotend";
@@ -600,6 +642,23 @@ export interface LastPrint {
   reason: string;
 }
 
+/** A lesson. `before` and `after` are the names of its neighbours on the path, or empty. */
+export interface LessonView {
+  name: string;
+  chapter: string;
+  title: string;
+  goal: string;
+  minutes: number;
+  paragraphs: string[];
+  experiment: ExperimentView;
+  questions: QuestionView[];
+  source: SourceView;
+  printer: OwnPrinterView;
+  links: LinkView[];
+  before: string;
+  after: string;
+}
+
 /** A levelling procedure that uses the probe. */
 export interface Levelling {
   procedure: "delta" | "gantry" | "screws";
@@ -627,6 +686,43 @@ export interface Line {
   console: number;
   received: boolean;
   text: string;
+}
+
+/** A line of a graph: its points, and the index of its colour. */
+export interface LineView {
+  name: string;
+  colour: number;
+  dashed: boolean;
+  t: number[];
+  v: number[];
+}
+
+/** Further reading: a part of the page, or a document of the repository. */
+export interface LinkView {
+  text: string;
+  page: string;
+  document: string;
+}
+
+/** A calculator. */
+export interface ListedCalculator {
+  name: string;
+  title: string;
+}
+
+/** A part of the path, with its lessons in order. */
+export interface ListedChapter {
+  title: string;
+  lessons: ListedLesson[];
+}
+
+/** A lesson of the path; `questions` is their number. */
+export interface ListedLesson {
+  name: string;
+  title: string;
+  goal: string;
+  minutes: number;
+  questions: number;
 }
 
 /** A name and its password. */
@@ -806,9 +902,32 @@ export interface NewValue {
   value: number | string;
 }
 
+/** A result: the figure or the words as a text, and its unit. */
+export interface NumberView {
+  name: string;
+  label: string;
+  text: string;
+  unit: string;
+}
+
 /** Whether an object is cancelled. */
 export interface ObjectState {
   cancelled: boolean;
+}
+
+/** A possible answer of a question: the number to send, and its text. */
+export interface OptionView {
+  value: number;
+  text: string;
+}
+
+/** What follows from the values of the parameters. */
+export interface OutcomeView {
+  values: Record<string, number | string>;
+  numbers: NumberView[];
+  graphs: GraphView[];
+  planes: PlaneView[];
+  tables: TableView[];
 }
 
 /** An output that commands set; with `pwm` it also takes values between off and on. */
@@ -819,6 +938,13 @@ export interface OutputOfMachine {
 /** The value of an output, as a fraction of fully on. An output without PWM takes 0 or 1. */
 export interface OutputValue {
   value: number;
+}
+
+/** What to do on one's own printer: a command, or a part of the page. */
+export interface OwnPrinterView {
+  text: string;
+  command: string;
+  page: string;
 }
 
 /** The id and the name of the printer, and the API key, with the role operator. The key is shown
@@ -850,6 +976,19 @@ export interface Parameter {
   high?: number | null;
   default?: number | null;
   choices: string[];
+}
+
+/** A value to change: from `low` to `high` in steps of `step`, or one of `choices` if there are
+ * some. */
+export interface ParameterView {
+  name: string;
+  label: string;
+  unit: string;
+  default: number | string;
+  low: number;
+  high: number;
+  step: number;
+  choices: ChoiceView[];
 }
 
 /** The new fault of a part; `none` ends a fault. `noise` may have an amount, as in `noise:0.05`. */
@@ -907,6 +1046,12 @@ export interface Plan {
   warnings: string[];
 }
 
+/** A picture to scale, as SVG that has no style of its own. */
+export interface PlaneView {
+  title: string;
+  svg: string;
+}
+
 /** A serial port, or the folder of a chip's drive to which the image is copied. `name` is the name
  * of the device in the operating system, or empty. `used` is True if this printer uses the port. */
 export interface Port {
@@ -928,6 +1073,13 @@ export interface PrintObject {
 
 /** The state of a printer; the values are the letters of M408. */
 export type PrinterState = "A" | "B" | "H" | "I" | "P";
+
+/** A question; with `options` the answer is one of them, otherwise a number in `unit`. */
+export interface QuestionView {
+  ask: string;
+  unit: string;
+  options: OptionView[];
+}
 
 /** The queued prints, the next one first. With `automatic`, the next print starts without
  * confirmation after a successful print; otherwise a user must confirm that the bed is clear. */
@@ -1086,6 +1238,14 @@ export interface SimulatedPart {
   active: string;
 }
 
+/** The place in the code: `line` is 0, and `code` empty, if this installation lacks the file. */
+export interface SourceView {
+  file: string;
+  symbol: string;
+  line: number;
+  code: string;
+}
+
 /** The factor of all feedrates; 1 leaves them as in the file. */
 export interface SpeedFactor {
   factor: number;
@@ -1239,6 +1399,13 @@ export interface SummaryJob {
   filament_mm: number;
 }
 
+/** A table with a heading for each column. */
+export interface TableView {
+  title: string;
+  columns: string[];
+  rows: string[][];
+}
+
 /** `ages_s` are the times of the samples, in seconds before the answer, oldest first; `sensors`
  * are the temperatures of the sensors without a heater, °C. */
 export interface Temperatures {
@@ -1271,6 +1438,12 @@ export interface ThermistorFit {
 export interface ToolOfMachine {
   extruder?: string | null;
   heater?: string | null;
+}
+
+/** Values of parameters, by name; the others keep their defaults. */
+export interface Trial {
+  language?: "en" | "it";
+  values?: Record<string, number | string>;
 }
 
 /** One line of G-code, with lines to execute before and after it, such as `M204` and adjacent

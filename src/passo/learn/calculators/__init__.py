@@ -1,0 +1,1 @@
+"""Calculators: experiments without a lesson, one in each file, called CALCULATOR."""

@@ -1,0 +1,1 @@
+"""Lessons, one in each file, called LESSON."""
