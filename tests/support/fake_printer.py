@@ -7,6 +7,7 @@ may take effect though its answer is lost, or after a long time.
 from __future__ import annotations
 
 import asyncio
+import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -235,6 +236,11 @@ class Network:
     upload_s: float = 5.0
 
 
+def sha256_of(path: Path) -> str:
+    """The hash of a file, as a printer checks it."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
 class FakeLink:
     """A `Link` to a fake printer. `called` is called before a request leaves the hub, and returns
     its number; `answered` is called with it after the effect, before the answer arrives."""
@@ -294,6 +300,8 @@ class FakeLink:
         path = f"/{sha256[:8]}-{name}"
 
         def effect() -> str:
+            if content.exists() and sha256_of(content) != sha256:
+                raise Refused("upload.checksum", "The file has another hash", "Send it again")
             if self.printer.full:
                 raise Refused("card.full", "The card is full", "Delete files")
             self.printer.files[path] = sha256
