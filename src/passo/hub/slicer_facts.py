@@ -9,9 +9,9 @@ from pathlib import Path
 _PART = 1 << 18  # bytes at both ends of a file that are searched
 _UNITS = {"d": 86400.0, "h": 3600.0, "m": 60.0, "s": 1.0}
 # PrusaSlicer, SuperSlicer, OrcaSlicer and Bambu Studio; ideaMaker; Cura has no material.
-_MATERIALS = re.compile(r"^; ?(?:filament_type ?= ?|Filament Type #\d+: ?)(.+)$", re.MULTILINE)
+_MATERIALS = re.compile(r"^; ?(?:filament_type ?= ?|Filament Type ?#\d+: ?)(.+)$", re.MULTILINE)
 _NOZZLE = re.compile(
-    r"^; ?(?:nozzle_diameter ?= ?|Nozzle Diameter #\d+: ?|  extruderDiameter,)([\d.]+)",
+    r"^; ?(?:nozzle_diameter ?= ?|Nozzle Diameter ?#\d+: ?|  extruderDiameter,)([\d.]+)",
     re.MULTILINE,
 )
 _SECONDS = re.compile(r"^;(?:TIME:|Print Time: ?)(\d+(?:\.\d+)?)", re.MULTILINE)
