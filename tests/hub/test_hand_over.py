@@ -358,3 +358,60 @@ def test_printer_that_has_lost_its_memory_fails_the_run():
         assert world.shown(printer).attention == run.reason
 
     play(test)
+
+
+@pytest.mark.parametrize("at_s", [5.2, 60.0], ids=["starting", "printing"])
+def test_user_gives_up_the_run_of_a_printer_that_is_gone(at_s):
+    async def test():
+        printer = FakePrinter("mk3")
+        world = await one_printer(printer, retries=1)
+        bad_network(world, START if at_s < 10 else -1, lost=1.0)
+        await asyncio.sleep(at_s)
+        printer.reachable = False
+        printer.disconnect()
+        await asyncio.sleep(100.0)
+        with pytest.raises(HubError, match="at work"):
+            await world.farm.remove_printer(printer.id, "admin")
+        await world.farm.attend(printer.id, False, "anna")
+        assert world.farm.view().jobs[0].waiting == 1
+        await world.farm.remove_printer(printer.id, "admin")
+        assert world.farm.view().jobs[0].why == "The farm has no printers"
+
+    play(test)
+
+
+def test_new_address_connects_again_and_keeps_the_run():
+    async def test():
+        printer = FakePrinter("mk3")
+        world = await one_printer(printer)
+        await asyncio.sleep(60.0)
+        change = PrinterChange(url="http://10.0.0.7:4000")
+        assert (await world.farm.change_printer(printer.id, change, "admin")).run
+        await asyncio.sleep(30.0)
+        assert world.shown(printer).condition == "printing"
+        assert len(printer.lines) == 1
+        await asyncio.sleep(3000.0)
+        assert list(world.states().values()) == ["done"]
+        assert len(printer.starts) == 1
+
+    play(test)
+
+
+def test_print_of_a_printer_without_run_ids_is_followed_by_its_file():
+    async def test():
+        printer = FakePrinter("ender", knows_runs=False, clears_itself=True)
+        world = World([printer])
+        await world.start()
+        await world.farm.change_printer(printer.id, PrinterChange(clears_itself=True), "admin")
+        await world.clear()
+        await world.job(quantity=2)
+        await asyncio.sleep(60.0)
+        world.disk.dead = True
+        await asyncio.sleep(60.0)
+        await world.restart()
+        await asyncio.sleep(4000.0)
+        assert list(world.states().values()) == ["done", "done"]
+        runs = await world.farm.runs(10, "", "")
+        assert [run.printed_s > 100.0 for run in runs] == [True, True]
+
+    play(test)

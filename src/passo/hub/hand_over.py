@@ -15,9 +15,16 @@ from passo.hub.records import RunRow
 from passo.hub.run_book import Figures, RunBook
 from passo.hub.run_state import RunState
 from passo.hub.store import RUNS, Store
+from passo.printer.status import LastPrint
 
 _S = RunState
 _OVER = {"done": _S.DONE, "cancelled": _S.CANCELLED, "failed": _S.FAILED}
+
+
+def _is_of(last: LastPrint, run: RunRow) -> bool:
+    """Whether this is the print of a run; without ids of runs, by its file and its number."""
+    same_file = last.file == run.path and last.number != run.number_before
+    return last.run == run.id or (not last.run and same_file)
 
 
 class HandOver:
@@ -155,9 +162,12 @@ class HandOver:
         if seen is None:
             return None
         if seen.job is not None:
-            return RunReport("printing") if seen.job.file == run.path else None
+            if seen.job.file != run.path:
+                return None
+            self._figures = run.id, Figures(seen.job.printed_s, seen.job.filament_mm)
+            return RunReport("printing")
         last = seen.last_print
-        if last is None or last.number == run.number_before or last.file != run.path:
+        if last is None or not _is_of(last, run):
             return None
         return RunReport(last.result, last.reason)
 
@@ -171,7 +181,7 @@ class HandOver:
             printer.clears_itself
             and state is _S.DONE
             and last is not None
-            and last.run == run.id
+            and _is_of(last, run)
             and seen is not None
             and seen.job is None
         )

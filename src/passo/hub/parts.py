@@ -77,8 +77,15 @@ class Parts:
             *(self.changed, self.wall_s),
         )
 
+    async def begin_again(self, printer: PrinterRow) -> None:
+        """Replaces the task of a printer, whose address has changed."""
+        old = self.tasks[printer.id]
+        old.cancel()
+        self.begin(printer)
+        await old.end()
+
     async def end(self, printer: str) -> None:
-        """Ends the task of a printer."""
+        """Ends the task of a printer that is removed."""
         await self.tasks.pop(printer).end()
 
     def changed(self, decisive: bool = True) -> None:
@@ -108,7 +115,10 @@ class Parts:
             except HubError as error:
                 _log.error("No run can begin: %s", error)
                 loop.call_later(_AGAIN_S, self.changed)
-        # What has changed meanwhile is part of this change, except for what may begin now.
+            except Exception:
+                _log.exception("No run can begin")
+                loop.call_later(_AGAIN_S, self.changed)
+        # What the runs that begin have changed is settled next.
         self._pending = loop.call_soon(self._settle) if self._decisive else None
         for changed in list(self.listeners):
             changed()

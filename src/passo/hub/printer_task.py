@@ -48,6 +48,7 @@ class PrinterTask:
         self._gate, self._chance, self._changed, self._wall_s = gate, chance, changed, wall_s
         self._woken = asyncio.Event()
         self._failures = 0
+        self._ended = False
         self._task = asyncio.get_running_loop().create_task(self._run(), name=f"printer {printer}")
 
     def wake(self) -> None:
@@ -72,9 +73,14 @@ class PrinterTask:
         )
         return power.heating(seen, starting)
 
+    def cancel(self) -> None:
+        """Ends the task soon; from now on it changes nothing."""
+        self._ended = True
+        self._task.cancel()
+
     async def end(self) -> None:
         """Ends the task and the connection."""
-        self._task.cancel()
+        self.cancel()
         await asyncio.gather(self._task, return_exceptions=True)
         await self.link.close()
 
@@ -93,6 +99,8 @@ class PrinterTask:
                 # The connection begins again, with what is stored; nothing else waits for it.
                 reason = repr(errors.exceptions[0])
                 _log.exception("The task of printer %s failed", self._printer)
+            if self._ended:  # an error at the same moment hides the cancellation
+                return
             if not self._failures:
                 _log.info("Printer %s is not connected: %s", self._printer, reason)
             pause_s = min(_SHORTEST_S * 2.0**self._failures, _LONGEST_S)
@@ -134,10 +142,12 @@ class PrinterTask:
         while True:
             await self._woken.wait()
             self._woken.clear()
-            if self.contact.connected:
+            if self.contact.connected and not self._ended:
                 await self._hand_over.step()
 
     def _see(self, seen: Summary) -> None:
+        if self._ended:
+            return
         before = self.contact.now
         self.contact.receive(seen)
         self._failures = 0

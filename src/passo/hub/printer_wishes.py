@@ -15,6 +15,7 @@ from passo.hub.link import PrinterRecord, Refused, Unreachable
 from passo.hub.parts import Parts
 from passo.hub.picture import FarmPicture
 from passo.hub.records import GroupRow, PrinterRow
+from passo.hub.run_book import Figures
 from passo.hub.run_state import RunState
 from passo.hub.views import PowerGroup, PrinterView
 from passo.hub.wishes import PrinterChange, Stopped
@@ -74,8 +75,7 @@ class PrinterWishes:
         with self._store.change(user, what, printer=printer) as written:
             row = written.set(row, **fields)
         if "url" in fields:
-            await self._parts.end(printer)
-            self._parts.begin(row)
+            await self._parts.begin_again(row)
         return self._picture.printer(row)
 
     async def remove_printer(self, printer: str, user: str) -> None:
@@ -115,17 +115,26 @@ class PrinterWishes:
 
     async def attend(self, printer: str, started: bool | None, user: str) -> PrinterView:
         """The attention is dealt with; `started` says whether a run of which nobody knows that has
-        started. Raises HubError if it must be given."""
+        started. Raises HubError if it must be given. False also gives up the run of a printer that
+        is unreachable: it may never come back."""
         row, run = self._parts.printer(printer), self._store.active_run(printer)
-        task = self._parts.tasks[printer]
+        task, book = self._parts.tasks[printer], self._parts.book
+        gone = task.contact.condition(asyncio.get_running_loop().time()) == "unreachable"
         if run is not None and task.start_unknown(run):
             if started is None:
                 value = f"where {run.name} has started or not"
                 raise HubError.of("hub.state", hint="Say which", axis=row.name, value=value)
             if started:
-                self._parts.book.printing(run, user)
+                book.printing(run, user)
             else:
-                self._parts.book.withdraw(run, "It did not start", user)
+                book.withdraw(run, "It did not start", user)
+        elif run is not None and gone and started is False:
+            if run.state is RunState.PRINTING:
+                reason = f"{row.name} is unreachable, and {user or 'a user'} has given it up"
+                book.over(run, RunState.FAILED, reason, Figures())
+            else:
+                book.withdraw(run, f"{row.name} is unreachable", user)
+            row = self._store.printers[printer]
         what = f"{row.name}: attention given to: {row.attention}"
         with self._store.change(user, what if row.attention else "", printer=printer) as change:
             row = change.set(row, attention="")
