@@ -44,7 +44,8 @@ class Shown:
         if self.words and not bare:
             return said(self.words, language)
         unit = said(self.unit, language)
-        return self.figure if bare or not unit else f"{self.figure} {unit}"
+        space = "" if unit == "°" else " "
+        return self.figure if bare or not unit else f"{self.figure}{space}{unit}"
 
 
 def said(words: Words, language: Language) -> str:
