@@ -14,10 +14,11 @@ from passo.web.accounts.accounts import FRESH_S, IDLE_S, MAX_AGE_S
 from passo.web.operations import OPERATIONS
 from passo.web.pages import page_routes
 from passo.web.roles import Role
+from passo.web.slicers import octoprint_socket
 
 API = "/api/v1"
 FEED = f"ws://{HOST}{API}/feed"
-FEEDS = f"{API}/feed", f"{API}/summary/feed"
+SOCKETS = f"{API}/feed", f"{API}/summary/feed", octoprint_socket.PATH
 ADA = {"name": "Ada", "password": "correct horse"}
 HEADERS = {"X-Passo-Request": "1"}
 ROLES = [Role.VIEWER, Role.OPERATOR, Role.ADMIN]
@@ -98,11 +99,11 @@ def test_operation_is_for_its_role_and_above(served, by_role, by_key, operation)
         assert (status not in (401, 403)) == allowed, role
 
 
-def test_every_route_is_an_operation_the_feed_or_a_file_of_the_page():
+def test_every_route_is_an_operation_a_socket_or_a_file_of_the_page():
     application = site(FakeBridge())._app
     paths = {route.path for route in application.routes}
     page = {route.path for route in page_routes()}
-    assert paths == {o.path for o in OPERATIONS} | page | {openapi.PATH, *FEEDS}
+    assert paths == {o.path for o in OPERATIONS} | page | {openapi.PATH, *SOCKETS}
 
 
 def test_every_operation_but_the_first_log_in_needs_one():

@@ -22,6 +22,7 @@ from passo.web.operations import OPERATIONS
 from passo.web.pages import page_routes
 from passo.web.routes import EXCEPTION_HANDLERS, routes
 from passo.web.site import Site
+from passo.web.slicers import octoprint_socket
 from passo.web.summary_feed import serve_summary_feed
 
 if TYPE_CHECKING:
@@ -76,12 +77,16 @@ def web_app(
     async def summary_feed(websocket: WebSocket) -> None:
         await serve_summary_feed(site, feeds, websocket)
 
+    async def octoprint(websocket: WebSocket) -> None:
+        await octoprint_socket.serve_socket(site, feeds, websocket)
+
     app = Starlette(
         routes=[
             *routes(OPERATIONS, access, call),
             openapi.route(OPERATIONS),
             WebSocketRoute("/api/v1/feed", feed),
             WebSocketRoute("/api/v1/summary/feed", summary_feed),
+            WebSocketRoute(octoprint_socket.PATH, octoprint),
             *page_routes(),
         ],
         exception_handlers=EXCEPTION_HANDLERS,

@@ -6,6 +6,7 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from passo.web.slicers.octoprint_sessions import LoginSessions
 from passo.web.summary import summary_of
 
 if TYPE_CHECKING:
@@ -44,6 +45,7 @@ class Site:
     state: Path | None = None
     rrf_replies: deque[str] = field(default_factory=lambda: deque(maxlen=_MAX_REPLIES))
     """Answers to lines of `rr_gcode`, until `rr_reply` takes them."""
+    octoprint_sessions: LoginSessions = field(default_factory=LoginSessions)
 
     def summary(self) -> Summary:
         """The summary of the printer now. Never waits."""

@@ -299,7 +299,7 @@ class Accounts:
 
     async def add_key(self, name: str, role: Role) -> tuple[Key, str]:
         """Makes a key; returns it with its token, which cannot be read later."""
-        token = KEY_PREFIX + secrets.token_hex(20)
+        token = KEY_PREFIX + secrets.token_hex(16)
         key = Key(digest(token), secrets.token_hex(4), name, role, self._wall_s())
         statement = "insert into keys (hash, id, name, role, made_s) values (?, ?, ?, ?, ?)"
         row = (key.hash, key.id, key.name, int(key.role), key.made_s)

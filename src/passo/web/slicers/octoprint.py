@@ -1,5 +1,5 @@
-"""OctoPrint's interface, for the requests with which slicers test a printer, upload, start and
-watch. Source: OctoPrint's REST API documentation."""
+"""OctoPrint's interface, for the requests with which slicers and hubs upload, start and watch.
+Source: OctoPrint's REST API documentation."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from urllib.parse import quote
 from starlette.responses import Response
 
 from passo.errors import InputError, PassoError, WebError
-from passo.version import __version__
 from passo.web.answers import json
 from passo.web.call import Call
 from passo.web.files.body import Body
+from passo.web.files.download import download
 from passo.web.files.form_upload import receive_form
 from passo.web.files.incoming import in_worker_thread
 from passo.web.files.names import cleaned, confined, program
@@ -25,30 +25,10 @@ from passo.web.slicers.printing import posted, run_soon, started
 if TYPE_CHECKING:
     from starlette.requests import Request
 
-    from passo.card import Entry
+    from passo.card import Card, Entry
 
 _DONE = 204
-
-
-@operation("octoprint.version", "GET", "/api/version", Role.VIEWER, root="")
-async def version(_: Call) -> Response:
-    """The version. `text` begins with OctoPrint, because some slicers check this."""
-    return json(
-        {
-            "api": "0.1",
-            "server": "1.5.0",
-            "text": f"OctoPrint (Passo {__version__})",
-            "capabilities": {"upload-by-put": True},  # for clients that treat it as PrusaLink
-        }
-    )
-
-
-@operation("octoprint.login", "POST", "/api/login", Role.VIEWER, root="")
-async def login(call: Call) -> Response:
-    """The owner of the key."""
-    caller = call.caller
-    admin = caller.role >= Role.ADMIN
-    return json({"name": caller.name, "active": True, "user": True, "admin": admin, "session": ""})
+_DEPTH = 8  # of folders in a listing
 
 
 @operation("octoprint.settings", "GET", "/api/settings", Role.VIEWER, root="")
@@ -188,10 +168,19 @@ async def upload(call: Call) -> Response:
 
 @operation("octoprint.file", "GET", "/api/files/local/{path:path}", Role.VIEWER, root="")
 async def file(call: Call, path: str) -> Response:
-    """One file."""
+    """One file, or a folder with its files."""
     card, path = await call.bridge.card(), confined(path)
     entry = await in_worker_thread(lambda: card.find(path))
-    return json(_entry(call.request, path, entry))
+    about = _entry(call.request, path, entry)
+    if entry.is_directory:
+        about["children"] = await _files(call, card, path)
+    return json(about)
+
+
+@operation("octoprint.download", "GET", "/downloads/files/local/{path:path}", Role.VIEWER, root="")
+async def content(call: Call, path: str) -> Response:
+    """The content of a file, or a range of it."""
+    return await download(call.request, await call.bridge.card(), confined(path))
 
 
 @operation("octoprint.select", "POST", "/api/files/local/{path:path}", Role.OPERATOR, root="")
@@ -255,7 +244,15 @@ def _entry(request: Request, path: str, entry: Entry) -> dict[str, Any]:
 
 
 async def _listing(call: Call) -> Response:
-    card, request = await call.bridge.card(), call.request
+    card = await call.bridge.card()
+    files = await _files(call, card, "")
+    free = await in_worker_thread(lambda: card.free_bytes)
+    return json({"files": files, "free": free})
+
+
+async def _files(call: Call, card: Card, top: str) -> list[dict[str, Any]]:
+    """The files of a folder, with those of its folders if the request is `recursive`."""
+    request = call.request
     deep = request.query_params.get("recursive", "").lower() == "true"
 
     def read(folder: str, depth: int) -> list[dict[str, Any]]:
@@ -268,6 +265,4 @@ async def _listing(call: Call) -> Response:
             found.append(about)
         return found
 
-    files = await in_worker_thread(lambda: read("", 8))
-    free = await in_worker_thread(lambda: card.free_bytes)
-    return json({"files": files, "free": free})
+    return await in_worker_thread(lambda: read(top.rstrip("/"), _DEPTH))

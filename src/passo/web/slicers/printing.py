@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Coroutine
 from typing import TYPE_CHECKING, Any, cast
 
 import msgspec
@@ -32,9 +33,14 @@ async def started(bridge: Bridge, path: str) -> bool:
 
 
 async def run_soon(call: Call, script: str) -> tuple[str, ...]:
-    """Executes lines of G-code, and returns their answers within `_ANSWER_S`; lines that take
-    longer continue afterwards. Raises PassoError for a failure within that time."""
-    task = asyncio.ensure_future(call.run(script))
+    """Executes lines of G-code, and returns their answers, as `soon` does."""
+    return await soon(call.run(script))
+
+
+async def soon(commands: Coroutine[Any, Any, tuple[str, ...]]) -> tuple[str, ...]:
+    """Returns the answers of commands within `_ANSWER_S`; commands that take longer continue
+    afterwards. Raises PassoError for a failure within that time."""
+    task = asyncio.ensure_future(commands)
     _going_on.add(task)
     task.add_done_callback(_ended)
     done, _ = await asyncio.wait({task}, timeout=_ANSWER_S)
