@@ -234,6 +234,8 @@ class Network:
     late_s: float = 40.0
     delay_s: float = 0.05
     upload_s: float = 5.0
+    connecting: int = 0  # connections that begin now, and the most of them so far
+    most_connecting: int = 0
 
 
 def sha256_of(path: Path) -> str:
@@ -259,10 +261,7 @@ class FakeLink:
     async def follow(self, seen: Callable[[Summary], None]) -> None:
         loop = asyncio.get_running_loop()
         printer = self.printer
-        if not printer.reachable or printer.silent_since_s is not None:
-            await asyncio.sleep(ANSWER_S)
-            raise Unreachable("no connection")
-        await asyncio.sleep(self._network.delay_s)
+        await self._connect()
         ended: asyncio.Future[None] = loop.create_future()
         queue: asyncio.Queue[Summary] = asyncio.Queue()
         queue.put_nowait(printer.summary())
@@ -285,6 +284,18 @@ class FakeLink:
             printer.watchers.discard(queue.put_nowait)
             news.cancel()
         raise Unreachable("the connection has ended")
+
+    async def _connect(self) -> None:
+        network = self._network
+        network.connecting += 1
+        network.most_connecting = max(network.most_connecting, network.connecting)
+        try:
+            if not self.printer.reachable or self.printer.silent_since_s is not None:
+                await asyncio.sleep(ANSWER_S)
+                raise Unreachable("no connection")
+            await asyncio.sleep(network.delay_s)
+        finally:
+            network.connecting -= 1
 
     async def _deliver(
         self, queue: asyncio.Queue[Summary], seen: Callable[[Summary], None]
