@@ -28,7 +28,7 @@ class Moonraker:
         self._log = folder / "moonraker.log"
         self._output = self._log.open("w")
         port = free_port()
-        self._url = f"http://127.0.0.1:{port}"
+        self.url = f"http://127.0.0.1:{port}"
         for name in ("config", "logs"):
             (folder / name).mkdir()
         (folder / "gcodes").symlink_to(card)
@@ -80,9 +80,9 @@ class Moonraker:
         """What the server answers. Raises Refused."""
         return self._request(path, None, "")
 
-    def post(self, path: str, **values: object) -> Any:
+    def post(self, request: str, /, **values: object) -> Any:
         """Lets the server do something. Raises Refused."""
-        return self._request(path, json.dumps(values).encode(), "application/json")
+        return self._request(request, json.dumps(values).encode(), "application/json")
 
     def script(self, text: str) -> Any:
         """Lets the printer carry out lines, and waits for them."""
@@ -107,7 +107,7 @@ class Moonraker:
         return self._request(path, body.encode(), f"multipart/form-data; boundary={border}")
 
     def _request(self, path: str, body: bytes | None, kind: str) -> Any:
-        request = urllib.request.Request(f"{self._url}{path}", body)
+        request = urllib.request.Request(f"{self.url}{path}", body)
         if body is not None:
             request.add_header("Content-Type", kind)
         try:

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 _FOLDER = "hub"
 _PRINTS = 50  # newest prints of the history in which a run is looked for
+_OTHER_HASH = 422  # the status of an upload that does not match its checksum
 _SUBSCRIBE = 1  # ids of the requests over the WebSocket
 _GONE = ("notify_klippy_disconnected", "notify_klippy_shutdown")
 _REASONS = {
@@ -52,6 +53,8 @@ class _Exchange(Exchange):
             text = str(error["message"])
         except (msgspec.DecodeError, KeyError, TypeError):
             return Unreachable(f"an answer with status {status} is not of Moonraker")
+        if status == _OTHER_HASH:
+            text = "The file has arrived with another content"
         if status in (502, 503, 504):
             return Unreachable(text)
         return Refused(f"moonraker.{status}", text, "Look at the page of the printer")
@@ -121,10 +124,9 @@ class MoonrakerLink:
 
     async def report(self, run: str) -> RunReport | None:
         """Like `Link.report`."""
-        answer = await self._get("printer/objects/query", {"print_stats": ""})
-        stats = answer["status"]["print_stats"]
-        if run_of(stats.get("filename") or "") == run and stats["state"] in ("printing", "paused"):
-            return RunReport(stats["state"])
+        state = await self._printing(run)
+        if state:
+            return RunReport(state)
         for job in await self._history(_PRINTS):
             if run_of(job["filename"]) == run:
                 return RunReport(state_of(job["status"]), _REASONS.get(job["status"], ""))
@@ -163,6 +165,15 @@ class MoonrakerLink:
 
     async def close(self) -> None:
         """Like `Link.close`. The connections belong to all links."""
+
+    async def _printing(self, run: str) -> str:
+        """`printing` or `paused` if Klipper prints the file of a run now, else an empty text."""
+        query = {"print_stats": "", "webhooks": ""}
+        objects = (await self._get("printer/objects/query", query))["status"]
+        stats = objects["print_stats"]
+        if objects["webhooks"]["state"] != "ready" or run_of(stats.get("filename") or "") != run:
+            return ""  # a halted Klipper shows its last state
+        return str(stats["state"]) if stats["state"] in ("printing", "paused") else ""
 
     async def _has_folder(self, run: str) -> bool:
         """Whether the folder of a run exists: then its start may have been sent."""
