@@ -202,6 +202,7 @@ LESSON = Lesson(
                 "How many whole steps does one move have?",
                 "Quanti passi interi ha un movimento?",
             ),
+            tolerance=0.002,
         ),
         Question(
             Text(
