@@ -2,7 +2,11 @@
 
 import io
 import json
+import re
+import signal
+import subprocess
 import sys
+from urllib.request import urlopen
 
 import pytest
 
@@ -55,3 +59,19 @@ def test_a_calculator_prints_its_numbers(capsys):
     assert main(["calculate"]) == 0
     assert "steps-per-mm" in capsys.readouterr().out
     assert main(["calculate", "nothing"]) == 4
+
+
+def test_the_page_of_the_course_is_served_on_a_simulated_printer():
+    """A process, because the page has a thread and ends by a signal."""
+    command = [sys.executable, "-m", "passo", "learn", "--page"]
+    served = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    try:
+        assert served.stdout is not None
+        line = next(line for line in served.stdout if "http" in line)
+        address = re.findall(r"http://[\d.]+:\d+", line)[0]
+        with urlopen(f"{address}/api/v1/lessons/steps-per-mm", timeout=30) as answer:
+            assert json.load(answer)["title"] == "Steps per millimetre"
+    finally:
+        served.send_signal(signal.SIGINT)
+        assert served.wait(30) == 0
+        served.stdout.close()

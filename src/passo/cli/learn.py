@@ -19,7 +19,16 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declares the options of `passo learn`."""
     parser.add_argument(
-        "lesson", nargs="?", metavar="LESSON", help="a lesson; without: list the course"
+        "lesson",
+        nargs="?",
+        metavar="LESSON",
+        help="a lesson. Without: list the lessons; in a terminal, also open the page of the course"
+        " on a simulated printer",
+    )
+    parser.add_argument(
+        "--page",
+        action="store_true",
+        help="open the page also if the output is not a terminal",
     )
     parser.add_argument(
         "--set",
@@ -51,7 +60,8 @@ def read_values(texts: list[str]) -> dict[str, Value]:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Prints the course or a lesson; on a terminal it asks the questions."""
+    """Prints a lesson, and asks its questions on a terminal; or prints the course and opens its
+    page."""
     from passo.learn.course import all_lessons, lesson
 
     language: Language = arguments.lang
@@ -61,6 +71,10 @@ def run(arguments: argparse.Namespace) -> int:
             print(json.dumps([_as_dict(one, {}, language) for one in all_lessons()]))
         else:
             print(_list(language))
+            if arguments.page or sys.stdout.isatty():
+                from passo.cli.learn_page import serve_page
+
+                serve_page()
         return ExitStatus.DONE
     chosen = lesson(arguments.lesson)
     if arguments.json:

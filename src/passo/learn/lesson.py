@@ -151,11 +151,12 @@ class Asked:
         return abs(answer - value) <= tolerance
 
     def check(self, answer: float, language: Language) -> Checked:
-        """Compares an answer with the right one, then with those of the usual mistakes."""
+        """Compares an answer with the right one, then with those of the usual mistakes, of which
+        the nearest counts."""
         question = self.question
         if self.equal(answer, self.answer):
             return Checked(True, self.text(question.why, language))
-        for mistake in question.mistakes:
-            if self.equal(answer, mistake.value(self.numbers)):
-                return Checked(False, self.text(mistake.hint, language))
-        return Checked(False, self.text(question.hint, language))
+        values = [(mistake.value(self.numbers), mistake.hint) for mistake in question.mistakes]
+        found = [(abs(answer - value), hint) for value, hint in values if self.equal(answer, value)]
+        hint = min(found, key=lambda one: one[0])[1] if found else question.hint
+        return Checked(False, self.text(hint, language))
