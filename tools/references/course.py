@@ -26,6 +26,17 @@ _MINUTES = Text("minutes", "minuti")
 _OTHER: dict[Language, Language] = {"en": "it", "it": "en"}
 _OTHER_NAME = {"en": "Italiano", "it": "English"}
 
+_START = """\
+A student needs Python 3.11 or newer on Linux, and no compiler. A teacher builds the wheel
+once, in a checkout of the sources, by `make wheel`. It contains the page. Then, for each student:
+
+    python3 -m venv passo && . passo/bin/activate
+    pip install "passo[web] @ file:///FOLDER/OF/THE/passo-WHEEL.whl"
+    passo learn
+
+In a terminal, `passo learn` opens the page on a simulated printer. Nothing moves or heats outside
+of the computer."""
+
 
 def files() -> dict[str, str]:
     """The files by their path in `docs/course/`."""
@@ -130,6 +141,8 @@ def _index() -> str:
         " one and asks its questions; the page has them under *Learn*. All are in English and"
         " Italian. [Write one more](../how-to/add-a-lesson.md).",
     ]
+    parts.append("## Start")
+    parts.append(_START)
     for chapter in Chapter:
         found = [one for one in all_lessons() if one.chapter is chapter]
         if found:
