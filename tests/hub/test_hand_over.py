@@ -252,6 +252,20 @@ def test_failed_print_is_repeated_on_another_printer_first():
     play(test)
 
 
+def test_lost_content_of_a_file_fails_the_run(tmp_path):
+    async def test():
+        world = World([FakePrinter("mk3")])
+        world.contents = tmp_path
+        await world.start()
+        await world.clear()
+        await world.job()
+        await asyncio.sleep(10.0)
+        (run,) = await world.farm.runs(10, "", "")
+        assert (run.state, run.reason) == ("failed", "The hub has lost part.gcode")
+
+    play(test)
+
+
 @pytest.mark.parametrize("what", ["upload", "start"])
 def test_refusal_of_a_printer_fails_the_run(what):
     async def test():

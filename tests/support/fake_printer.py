@@ -311,7 +311,7 @@ class FakeLink:
         path = f"/{sha256[:8]}-{name}"
 
         def effect() -> str:
-            if content.exists() and sha256_of(content) != sha256:
+            if sha256_of(content) != sha256:
                 raise Refused("upload.checksum", "The file has another hash", "Send it again")
             if self.printer.full:
                 raise Refused("card.full", "The card is full", "Delete files")

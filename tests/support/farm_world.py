@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import atexit
+import hashlib
 import logging
+import shutil
 import sqlite3
+import tempfile
 from collections.abc import Awaitable, Callable
+from functools import cache
 from pathlib import Path
 from random import Random
 from typing import Any, TypeVar
@@ -24,6 +29,14 @@ from passo.hub.wishes import NewJob
 _T = TypeVar("_T")
 EPOCH_S = 1_800_000_000.0
 USER = "anna"
+
+
+@cache
+def _folder() -> Path:
+    """The contents of all files, for all farms of this process."""
+    folder = tempfile.mkdtemp()
+    atexit.register(shutil.rmtree, folder)
+    return Path(folder)
 
 
 class Killed(BaseException):
@@ -73,6 +86,7 @@ class World:
         self.printers = {printer.id: printer for printer in printers}
         self.chance, self.network, self._fits = Random(seed), network or Network(), fits
         self.disk = sqlite3.connect(":memory:", isolation_level=None, factory=Disk)
+        self.contents = _folder()
         self.killed = asyncio.Event()
         self.kills = 0
         self.link_calls = 0
@@ -88,7 +102,7 @@ class World:
         return Farm(
             self.store,
             self._link,
-            lambda sha256: Path("/contents") / sha256,
+            lambda sha256: self.contents / sha256,
             self._fits,
             self.wall_s,
             Random(self._ids.random()),
@@ -143,7 +157,9 @@ class World:
 
     async def file(self, name: str = "part.gcode", **fields: Any) -> str:
         """Adds a file; returns its SHA-256."""
-        sha256 = f"{sum(map(ord, name)):064x}"
+        sha256 = hashlib.sha256(name.encode()).hexdigest()
+        if not (content := _folder() / sha256).exists():
+            content.write_text(name)
         await self.farm.add_file(FileView(sha256, name, 1000, self.wall_s(), **fields), USER)
         return sha256
 

@@ -77,8 +77,14 @@ class HandOver:
 
     async def _upload(self, run: RunRow) -> None:
         self._book.upload(run)
+        content = self._content(run.file)
+        if not content.is_file():
+            uploading = self._current(run, _S.UPLOADING)
+            if uploading is not None:
+                self._book.over(uploading, _S.FAILED, f"The hub has lost {run.name}", Figures())
+            return
         try:
-            path = await self._link.upload(self._content(run.file), run.name, run.file)
+            path = await self._link.upload(content, run.name, run.file)
         except Refused as refusal:
             if (now := self._current(run, _S.UPLOADING)) is not None:
                 self._book.over(now, _S.FAILED, f"The upload failed: {refusal}", Figures())
@@ -97,6 +103,9 @@ class HandOver:
             if (now := self._current(run, _S.STARTING)) is not None:
                 self._book.over(now, _S.FAILED, f"The start was refused: {refusal}", Figures())
             return
+        except StartUnknown:
+            self._doubt(run)
+            return
         if (now := self._current(run, _S.STARTING)) is not None:
             self._started_after = self._contact.received
             self._book.printing(now)
@@ -106,9 +115,7 @@ class HandOver:
         try:
             report = await self._link.report(run.id)
         except StartUnknown:
-            if self._current(run, _S.STARTING) is not None:
-                self._unknown = run.id
-                self._need(f"Nobody knows whether {run.name} has started: look at the printer")
+            self._doubt(run)
             return False
         if (now := self._current(run, _S.STARTING)) is None:
             return False
@@ -219,7 +226,12 @@ class HandOver:
         now = self._store.active_run(self._printer)
         return now if now is not None and now.id == run.id and now.state is state else None
 
-    def _need(self, text: str) -> None:
+    def _doubt(self, run: RunRow) -> None:
+        """A user must say if a run has started."""
+        if self._current(run, _S.STARTING) is None:
+            return
+        self._unknown = run.id
+        text = f"Nobody knows whether {run.name} has started: look at the printer"
         printer = self._store.printers[self._printer]
         if printer.attention != text:
             with self._store.change("", text, printer=printer.id) as change:
