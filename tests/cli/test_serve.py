@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import argparse
+import re
 import signal
 import subprocess
 import sys
@@ -11,6 +13,7 @@ from pathlib import Path
 import pytest
 from tests.config.test_import_klipper import BASE
 
+from passo.cli import serve
 from passo.cli.main import endings, main
 from passo.cli.simulated_state import simulated_state
 from passo.config import shipped_text
@@ -109,3 +112,44 @@ def test_simulated_printer_loads_a_mesh_that_an_import_has_stored(tmp_path: Path
     loaded, refused = run.stdout.strip().split("ok\n", 1)
     assert "other" in refused and "mine" in refused
     assert "// Mesh mine is in use: 3 × 3 points" in loaded
+
+
+def options_of(*words: str) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(exit_on_error=False)
+    serve.add_arguments(parser)
+    return parser.parse_args(words)
+
+
+def test_addresses_may_be_automatic_none_or_a_socket():
+    found = options_of("--tcp", "auto", "--tcp", "[::1]:auto", "--tcp", ":0", "--tcp", "a.b:7")
+    assert found.tcp == [("127.0.0.1", 0), ("::1", 0), ("127.0.0.1", 0), ("a.b", 7)]
+    assert found.http is None
+    found = options_of("--tcp", "none", "--http", "0.0.0.0:auto")
+    assert (found.tcp, found.http) == (["none"], ("0.0.0.0", 0))
+    assert options_of("--http", "unix:/run/i3.sock").http == Path("/run/i3.sock")
+    assert options_of("--http", "none").http == "none"
+    for words in (("--http", "unix:"), ("--tcp", "unix:/a"), ("--tcp", "a:65536"), ("--tcp", "")):
+        with pytest.raises(argparse.ArgumentError):
+            options_of(*words)
+
+
+def test_second_printer_with_the_same_state_names_the_first(tmp_path: Path):
+    state, unix = tmp_path / "state", tmp_path / "i3.sock"
+    words = [sys.executable, "-m", "passo", "serve", "--machine", "i3", "--state", str(state)]
+    first = [*words, "--tcp", "none", "--http", f"unix:{unix}"]
+    with subprocess.Popen(first, stderr=subprocess.PIPE, text=True) as served:
+        assert served.stderr is not None
+        assert "programs that may open its socket may do all" in served.stderr.readline()
+        assert served.stderr.readline() == f"Serving i3 on unix:{unix}.\n"
+        names = f": i3, process {served.pid}, unix:{unix}. Stop the other printer"
+        second = subprocess.run([*words, "--http", "none"], capture_output=True, text=True)
+        assert (second.returncode, names in second.stderr) == (4, True)
+        served.kill()
+    words += ["--tcp", "auto", "--http", "auto"]
+    with subprocess.Popen(words, stderr=subprocess.PIPE, text=True) as third:
+        assert third.stderr is not None
+        third.stderr.readline()
+        line = third.stderr.readline()
+        assert re.search(r"on tcp 127\.0\.0\.1:\d{4,5}, http://127\.0\.0\.1:\d{4,5}\.\n", line)
+        third.terminate()
+    assert not (state / "serving").exists()

@@ -23,7 +23,7 @@ SETTINGS: Mapping[str, Entry] = {
     ),
     "state.busy": bad_input(
         "printer",
-        "another printer keeps its prints and settings in this folder",
+        "another printer keeps its prints and settings in this folder: {value}",
         "Stop the other printer, or give each printer its own folder (--state)",
     ),
     "option.unknown": bad_input(

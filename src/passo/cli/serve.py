@@ -9,17 +9,16 @@ import logging
 import sys
 from collections.abc import AsyncGenerator
 from functools import partial
-from ipaddress import ip_address
 from pathlib import Path
 from typing import TYPE_CHECKING
-from urllib.parse import urlsplit
 
+from passo.cli.addresses import TCP, add_consoles, add_web, filled
 from passo.cli.clock import factor
-from passo.cli.host_port import host_port
 from passo.cli.log_file import LEVELS, LogFile
 from passo.cli.machine_option import add_machine, add_policy, add_skips, skips_of
 from passo.cli.main import endings
 from passo.cli.simulated_state import simulated_state
+from passo.cli.web_interface import open_klippy, open_web
 from passo.errors import ExitStatus
 
 if TYPE_CHECKING:
@@ -28,9 +27,6 @@ if TYPE_CHECKING:
     from passo.library.printer import Printer
 
 _log = logging.getLogger(__name__)
-_TCP = ("127.0.0.1", 2323)
-_HTTP = ("127.0.0.1", 4000)
-_BAUD = 250_000
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -53,59 +49,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="real (default); so many times as fast as real; or fast: print time passes as fast as "
         "it goes, but only while something waits for it",
     )
-    consoles = parser.add_argument_group("consoles, each as often as you like")
-    consoles.add_argument(
-        "--serial",
-        action="append",
-        type=_serial,
-        default=[],
-        metavar="DEV[:BAUD]",
-        help=f"a serial device, at any rate; {_BAUD} if none is given",
-    )
-    consoles.add_argument(
-        "--pty",
-        action="append",
-        type=_path,
-        default=[],
-        metavar="PATH",
-        help="a pseudo terminal, linked there",
-    )
-    consoles.add_argument(
-        "--tcp",
-        action="append",
-        type=host_port,
-        default=[],
-        metavar="HOST:PORT",
-        help=f"TCP; {_TCP[0]}:{_TCP[1]} if no console is named",
-    )
-    consoles.add_argument(
-        "--stdin", action="store_true", help="standard input and output, as a console"
-    )
-    parser.add_argument(
-        "--http",
-        type=_http,
-        metavar="HOST:PORT|none",
-        help=f"the web interface; {_HTTP[0]}:{_HTTP[1]} by default",
-    )
-    parser.add_argument(
-        "--http-name",
-        action="append",
-        default=[],
-        metavar="NAME",
-        help="a host name that the web interface is reached by, for example that of a proxy",
-    )
-    parser.add_argument(
-        "--announce",
-        action="store_true",
-        help="announce the web interface in the local network, so that slicers list it; needs"
-        " passo[mdns]",
-    )
-    parser.add_argument(
-        "--klippy-socket",
-        type=_path,
-        metavar="PATH",
-        help="Klipper's API for Moonraker, on a Unix socket there; needs --sd with a folder",
-    )
+    add_consoles(parser)
+    add_web(parser)
     parser.add_argument(
         "--sd",
         metavar="DIR|IMAGE|DEVICE",
@@ -119,7 +64,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--log",
-        type=_path,
+        type=filled,
         metavar="FILE",
         help="write what happens into this file; at 5 MB it is renamed to FILE.1, of which five "
         "are kept; reports of halts are beside it, if there is no --state",
@@ -161,12 +106,6 @@ def _clock(text: str) -> float | None:
     return None if text == "fast" else factor(text, "fast", 1000)
 
 
-def _path(text: str) -> str:
-    if not text:
-        raise argparse.ArgumentTypeError("the path is empty")
-    return text
-
-
 def _clients(text: str) -> int:
     if not (text.isascii() and text.isdigit() and 0 < int(text) < 1 << 16):
         raise argparse.ArgumentTypeError(f"{text!r} is not a number of clients from 1 to 65535")
@@ -175,24 +114,9 @@ def _clients(text: str) -> int:
 
 def _state(text: str) -> str:
     """The path of a folder, or a path at which a folder can be created."""
-    if Path(_path(text)).exists() and not Path(text).is_dir():
+    if Path(filled(text)).exists() and not Path(text).is_dir():
         raise argparse.ArgumentTypeError(f"{text} is no folder")
     return text
-
-
-def _http(text: str) -> tuple[str, int] | str:
-    """Like `host_port`, or `none`."""
-    return text if text == "none" else host_port(text)
-
-
-def _serial(text: str) -> tuple[str, int]:
-    """Device and rate in bits/s. The name of a device may contain colons."""
-    device, _, baud = text.rpartition(":")
-    if not device or Path(text).exists() or not (baud.isascii() and baud.isdigit()):
-        return text, _BAUD
-    if not 0 < int(baud) < 1 << 31:
-        raise argparse.ArgumentTypeError(f"{text!r}: {baud} is no rate")
-    return device, int(baud)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -322,77 +246,28 @@ async def _serve(
                 places.append(await printer.open_pty(path, advanced_ok=advanced_ok))
             for device, baud in arguments.serial:
                 places.append(await printer.open_serial(device, baud, advanced_ok=advanced_ok))
+            tcp = [address for address in arguments.tcp if address != "none"]
             silent = not (arguments.pty or arguments.serial or arguments.stdin)
-            for host, port in arguments.tcp or ([_TCP] if silent else []):
+            for host, port in tcp or ([TCP] if silent and not arguments.tcp else []):
                 place = await printer.open_tcp(
                     host, port, clients=arguments.tcp_clients, advanced_ok=advanced_ok
                 )
                 places.append(place)
-            if address := _web_address(printer, arguments):
+            if address := open_web(printer, arguments):
                 places.append(address)
-            if address and (code := printer.one_time_code):
-                _explain_first_account(address, code, kept=arguments.state is not None)
             if arguments.klippy_socket is not None:
-                places.append(_klippy(printer, arguments.klippy_socket, arguments.log))
+                places.append(open_klippy(printer, arguments.klippy_socket, arguments.log))
             if arguments.stdin:
                 # the user did not ask for the web
                 alone = places == [address] and arguments.http is None
                 over = printer.end if alone or not places else _go_on_serving
                 places.append(await printer.open_stdin(over, advanced_ok=advanced_ok))
             served = f"{machine.name}{', simulated,' if arguments.simulated else ''}"
-            print(f"Serving {served} on {', '.join(places)}.", file=sys.stderr, flush=True)
-            _log.info("Serving %s on %s", served, ", ".join(places))
+            where = ", ".join(places) or "no address"
+            print(f"Serving {served} on {where}.", file=sys.stderr, flush=True)
+            _log.info("Serving %s on %s", served, where)
             return await printer.serve()
     return False
-
-
-def _explain_first_account(address: str, code: str, *, kept: bool) -> None:
-    """Explains how the web interface gets its first account."""
-    if ip_address(urlsplit(address).hostname or "").is_loopback:
-        text = "has no administrator yet: programs of this computer may do all"
-        text = f"{text}. Open {address} to create one"
-    else:
-        text = f"needs an administrator: open it and enter the code {code}"
-    lasts = "" if kept else ". Without --state accounts last until Passo ends"
-    print(f"The web interface {text}{lasts}.", file=sys.stderr)
-
-
-def _web_address(printer: Printer, arguments: argparse.Namespace) -> str:
-    """Opens the web interface; returns its address, or an empty text without one. If the user did
-    not ask for it, a failure is only reported, and the printer starts without it."""
-    from passo.errors import PassoError
-
-    asked: tuple[str, int] | str | None = arguments.http
-    if isinstance(asked, str):
-        return ""
-    try:
-        return printer.open_http(
-            *(asked or _HTTP),
-            names=arguments.http_name,
-            log=arguments.log,
-            announce=arguments.announce,
-        )
-    except (PassoError, ImportError) as error:
-        if (asked is not None or arguments.announce) and isinstance(error, PassoError):
-            raise
-        why = str(error)
-        if isinstance(error, ImportError):
-            extra = "mdns" if error.name == "zeroconf" else "web"
-            why = f"{error.name} is not installed. Install passo[{extra}]."
-        print(f"No web interface: {why}", file=sys.stderr)
-        return ""
-
-
-def _klippy(printer: Printer, path: str, log_file: str | None) -> str:
-    """Opens Klipper's socket. Raises InputError."""
-    from passo.errors import InputError
-
-    try:
-        return printer.open_klippy(path, log_file=log_file)
-    except ImportError as error:
-        raise InputError.of(
-            "console.not-installed", axis=f"socket {path}", value=error.name or "a package"
-        ) from None
 
 
 @contextlib.asynccontextmanager

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import logging
-import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,10 +17,9 @@ from passo.console.object_commands import ObjectCommands
 from passo.console.printer_console import FileReply
 from passo.console.recovery_commands import RecoveryCommands
 from passo.console.settings_commands import SettingsCommands
-from passo.errors import InputError
-from passo.job.durable_files import directory_held
 from passo.job.mesh_folder import MeshFolder
 from passo.job.settings_store import Store
+from passo.job.state_lock import StateLock
 from passo.job.variable_file import VariableFile
 from passo.levelling.mesh_files import MeshStore
 from passo.printer.commands.reports import Reports
@@ -41,13 +39,14 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class Assembly:
-    """A printer with every command of a console, and its services. `restart` restarts the program;
-    None if it cannot restart."""
+    """A printer with every command of a console, and its services. `lock` is that of its state
+    folder, None without one. `restart` restarts the program; None if it cannot restart."""
 
     printer: Printer
     services: Services
     settings: SettingsCommands
     restart: ProgramRestart | None
+    lock: StateLock | None = None
 
 
 def assembled(
@@ -71,11 +70,13 @@ def assembled(
     variables = VariableFile(None if folder is None else folder / "variables.json")
     meshes = MeshStore() if folder is None else MeshFolder(folder / "meshes")
     printer = Printer(machine, free=free, skips=skips, variables=variables, meshes=meshes)
+    lock = None
     listen = printer.state.unreported.append
     printer.state.listeners.append(listen)
     try:
         if folder is not None:
-            _hold(printer, folder)
+            lock = StateLock(folder, machine.name)
+            printer.lifetime.at_end(lock.release)
         restarts = None if restart is None else (source, restart)
         consoles = FileReply(printer.state)
         jobs = build_jobs(
@@ -92,18 +93,7 @@ def assembled(
         printer.close()
         raise
     printer.state.listeners.remove(listen)
-    return assembly
-
-
-def _hold(printer: Printer, state: Path) -> None:
-    """Locks the folder for this printer until it is closed. A folder that cannot be locked is
-    reported when it is used."""
-    try:
-        held = directory_held(state)
-    except BlockingIOError:
-        raise InputError.of("state.busy", str(state)) from None
-    if held is not None:
-        printer.lifetime.at_end(lambda: os.close(held))
+    return replace(assembly, lock=lock)
 
 
 def _furnish(

@@ -9,7 +9,6 @@ import os
 import time
 from collections.abc import AsyncGenerator, Awaitable, Callable, Collection, Coroutine
 from dataclasses import dataclass
-from ipaddress import ip_address
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
@@ -22,7 +21,7 @@ from passo.clock import new_loop
 from passo.console.client import Client, Reply
 from passo.console.printer_console import welcome
 from passo.console.session import Session, Wire
-from passo.errors import CommandError, MachineError
+from passo.errors import CommandError, InputError, MachineError
 from passo.gcode.command import Command, Given
 from passo.job.printer_id import printer_id
 from passo.library.assembly import Assembly, assembled
@@ -362,48 +361,47 @@ class Printer:
         host: str = "127.0.0.1",
         port: int = 0,
         *,
+        path: str | os.PathLike[str] | None = None,
         names: Collection[str] = (),
         log: str | None = None,
         announce: bool = False,
     ) -> str:
-        """Serves the web interface, in a thread of its own; port 0 is any free port; `names` are
-        the host names that clients may use for it; `log` is a log file that may be downloaded. With
-        `announce`, multicast DNS announces it in the local network. Accounts are kept in the folder
-        `state`, else in memory (docs/explanation/security.md). Returns `http://HOST:PORT`. Needs
-        the extra `passo[web]`, and `passo[mdns]` to announce; raises InputError if the address
-        cannot be opened or announced, WebError if the accounts cannot be used, and ImportError
-        without the extras."""
-        from passo.web.access import Binding
+        """Serves the web interface, in a thread of its own; port 0 is any free port; `path` is a
+        Unix socket in place of host and port, for its user and group; `names` are the host names
+        that clients may use for it; `log` is a log file that may be downloaded. With `announce`,
+        multicast DNS announces it in the local network. Accounts are kept in the folder `state`,
+        else in memory (docs/explanation/security.md). Returns `http://HOST:PORT` or `unix:PATH`.
+        Needs the extra `passo[web]`, and `passo[mdns]` to announce; raises InputError if the
+        address cannot be opened or announced, WebError if the accounts cannot be used, and
+        ImportError without the extras."""
+        from passo.web import listening
         from passo.web.app import web_app
         from passo.web.logs import Logs
-        from passo.web.server import listening
 
-        socket = listening(host, port)
-        host, port = socket.getsockname()[:2]
+        if announce and path is not None:
+            raise InputError.of("web.announce-loopback", value=path)
+        opened = listening.tcp(host, port) if path is None else listening.unix(path)
         stems = [Path(stem) for stem in (log, self._halt_reports) if stem]
         if self._state is not None:
             stems.append(Path(self._state) / "halt")
-        loopback = ip_address(host.partition("%")[0]).is_loopback
         known = frozenset(name.lower() for name in names)
         try:
             announced = None
             if announce:
                 from passo.web.announcement import Announcement
 
-                announced = Announcement(self.config.name, host, port, self.id)
+                announced = Announcement(self.config.name, opened.host, opened.port, self.id)
                 known |= {announced.host_name}
-            binding = Binding(loopback, known)
-            logs = Logs(stems)
             state = None if self._state is None else Path(self._state)
-            kept = self._accounts, binding, self._temperatures, logs
+            kept = self._accounts, opened.binding(known), self._temperatures, Logs(stems)
             app = web_app(self._bridge, *kept, printer_id=self.id, state=state)
         except BaseException:
-            socket.close()
+            opened.close()
             raise
-        self._web_thread.serve(app, socket)
+        self._web_thread.serve(app, opened.socket, opened.remove)
         if announced is not None:
             self._web_thread.start(announced.run(), endless=True)
-        self._places.append(f"http://{f'[{host}]' if ':' in host else host}:{port}")
+        self._places.append(opened.place)
         return self._places[-1]
 
     @property
@@ -428,6 +426,8 @@ class Printer:
         """Serves the consoles until `end` is called; True if the printer must be opened again with
         its current machine file. If the printer ends with an error, raises that error."""
         assert self._serving is not None
+        if (lock := self._opened.lock) is not None:
+            lock.note(self._places)
         await asyncio.wait([self._serving])
         if not self._serving.cancelled():
             self._serving.result()

@@ -31,10 +31,11 @@ _OF_PROXIES = ("forwarded", "x-forwarded-for", "x-forwarded-host", "x-real-ip", 
 @dataclass(frozen=True, slots=True)
 class Binding:
     """The address of a web interface. `loopback`: only this computer can reach it. `names` are
-    further host names of it."""
+    further host names of it. `unix`: it is a Unix socket, so that callers have no address."""
 
     loopback: bool
     names: frozenset[str] = frozenset()
+    unix: bool = False
 
     def has(self, host: str) -> bool:
         """Whether the host of a request is this printer. Another web page may point a foreign name
@@ -64,7 +65,8 @@ class Access:
 
     def needs_code(self, connection: HTTPConnection) -> bool:
         """Whether the one-time code is needed to create the administrator."""
-        return not (self._binding.loopback and _is_local(connection))
+        binding = self._binding
+        return not (binding.loopback and _is_local(connection, unix=binding.unix))
 
     def caller(self, connection: HTTPConnection, *, writes: bool) -> Caller:
         """The caller of a request; `writes` if the request may change something. Raises WebError
@@ -179,11 +181,13 @@ def _session_of(connection: HTTPConnection, cookie: str) -> str:
     return digest(connection.cookies.get(cookie, ""))
 
 
-def _is_local(connection: HTTPConnection) -> bool:
+def _is_local(connection: HTTPConnection, *, unix: bool) -> bool:
     """Whether the caller is a program of this computer, not a proxy."""
     if any(name in connection.headers for name in _OF_PROXIES):
         return False
+    if connection.client is None:
+        return unix
     try:
-        return connection.client is not None and ip_address(connection.client.host).is_loopback
+        return ip_address(connection.client.host).is_loopback
     except ValueError:
         return False

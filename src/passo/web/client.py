@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import socket
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from http.client import HTTPConnection, HTTPException, HTTPSConnection
 from typing import Any, cast
 from urllib.parse import quote, urlencode, urlsplit
@@ -42,22 +45,45 @@ class _Request:
     body: bytes | None
 
 
+class _UnixConnection(HTTPConnection):
+    """HTTP on a Unix socket of this computer."""
+
+    def __init__(self, path: str, timeout_s: float) -> None:
+        super().__init__("localhost", timeout=timeout_s)
+        self._path = path
+
+    def connect(self) -> None:
+        """Like `HTTPConnection.connect`."""
+        self.sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        self.sock.settimeout(self.timeout)
+        self.sock.connect(self._path)
+
+
+def _connector(url: str, timeout_s: float) -> Callable[[], HTTPConnection]:
+    """A function that makes a connection to an address. Raises ValueError."""
+    parts = urlsplit(url)
+    if parts.scheme == "unix" and parts.path and not parts.netloc:
+        return partial(_UnixConnection, parts.path, timeout_s)
+    if parts.scheme not in ("http", "https") or not parts.hostname:
+        raise ValueError(
+            f"{url!r} is not the address of a printer: expected http://HOST:PORT or unix:PATH"
+        )
+    kind = HTTPSConnection if parts.scheme == "https" else HTTPConnection
+    return partial(kind, parts.hostname, parts.port, timeout=timeout_s)
+
+
 class _Connection:
     """The address of the printer, and the API key."""
 
     def __init__(self, url: str, key: str | None, timeout_s: float) -> None:
-        parts = urlsplit(url)
-        if parts.scheme not in ("http", "https") or not parts.hostname:
-            raise ValueError(f"{url!r} is not the address of a printer: expected http://HOST:PORT")
-        self._host, self._port = parts.hostname, parts.port
-        self._base = parts.path.rstrip("/")
-        self._kind = HTTPSConnection if parts.scheme == "https" else HTTPConnection
-        self._url, self._timeout_s = url, timeout_s
+        self._connect = _connector(url, timeout_s)
+        self._base = "" if url.startswith("unix:") else urlsplit(url).path.rstrip("/")
+        self._url = url
         self._headers = {HEADER: "1"} | ({"X-Api-Key": key} if key else {})
 
     def exchange(self, request: _Request) -> bytes:
         """Sends a request; returns the body of the answer. Raises RequestError."""
-        connection = self._kind(self._host, self._port, timeout=self._timeout_s)
+        connection = self._connect()
         try:
             headers = self._headers | request.headers
             connection.request(request.method, self._base + request.target, request.body, headers)
@@ -157,10 +183,9 @@ class _Group:
 class Client:
     """A served printer: `client.heaters.set("hotend", 200)`.
 
-    `url` is the address of `passo serve`, `key` an API key. The arguments of a call are the
-    parameters of its path, and then the fields of its request, in the order of
-    docs/reference/http.md. Calls raise RequestError. Threads may share a client.
-    """
+    `url` is the address of `passo serve` (`http://HOST:PORT` or `unix:PATH`), `key` an API key. The
+    arguments of a call are the parameters of its path, and then the fields of its request, in the
+    order of docs/reference/http.md. Calls raise RequestError. Threads may share a client."""
 
     def __init__(
         self, url: str = _DEFAULT_URL, *, key: str | None = None, timeout_s: float = _TIMEOUT_S

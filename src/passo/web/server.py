@@ -112,9 +112,13 @@ class WebThread:
         if not task.cancelled() and (error := task.exception()) is not None:
             _log.error("The web has failed: %s", error, exc_info=error)
 
-    def serve(self, app: ASGIApp, listening: socket.socket) -> None:
-        """Serves an application on a listening socket."""
+    def serve(
+        self, app: ASGIApp, listening: socket.socket, at_end: Callable[[], object] | None = None
+    ) -> None:
+        """Serves an application on a listening socket. `close` calls `at_end` first."""
         served = server(app)
+        if at_end is not None:
+            self._closers.append(at_end)
         end = partial(setattr, served, "should_exit", True)
         self._closers.append(lambda: self._loop.call_soon_threadsafe(end))
         self.start(served.serve(sockets=[listening]))

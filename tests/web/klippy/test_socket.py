@@ -42,7 +42,7 @@ def test_socket_is_private_and_replaces_an_old_one(tmp_path):
     path = tmp_path / "klippy"
     old = socket.socket(socket.AF_UNIX)
     old.bind(str(path))
-    KlippySocket(FakeBridge(), str(path))._listening.close()
+    KlippySocket(FakeBridge(), str(path))._listening.socket.close()
     old.close()
     assert stat.S_ISSOCK(path.stat().st_mode)
     assert stat.S_IMODE(path.stat().st_mode) == 0o600

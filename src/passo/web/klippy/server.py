@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import socket
-import stat
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from passo.errors import InputError, PassoError
+from passo.errors import PassoError
 from passo.gcode.command import Command
 from passo.web.klippy.connection import Connection, TooManyRequestsError
 from passo.web.klippy.engine import Engine
 from passo.web.klippy.wire import FrameTooLongError
+from passo.web.unix_sockets import UnixSocket
 
 if TYPE_CHECKING:
     from passo.web.bridge import Bridge
@@ -24,7 +22,7 @@ _log = logging.getLogger(__name__)
 PUSH_S = 0.25  # between two messages about objects
 _TIMEOUT_S = 5.0  # for a client that does not read
 _MAX_WAITING = 32 << 20  # bytes that may wait for such a client
-_BACKLOG = 16
+_MODE = 0o600  # for this user alone
 
 
 class KlippySocket:
@@ -34,7 +32,7 @@ class KlippySocket:
     def __init__(self, bridge: Bridge, path: str, *, log_file: str | None = None) -> None:
         """Raises InputError if the socket cannot be made."""
         self._bridge, self._path, self._log_file = bridge, Path(path), log_file
-        self._listening = _listening(self._path)
+        self._listening = UnixSocket(self._path, _MODE)
 
     async def run(self) -> None:
         """Serves until cancelled, and then removes the socket."""
@@ -42,9 +40,9 @@ class KlippySocket:
             while True:
                 if await self._serve():
                     await self._restart()
-                self._listening = _listening(self._path)
+                self._listening = UnixSocket(self._path, _MODE)
         finally:
-            self._path.unlink(missing_ok=True)
+            self._listening.remove()
 
     async def _serve(self) -> bool:
         """Serves until the printer restarts. Returns True if the caller must restart it."""
@@ -59,7 +57,7 @@ class KlippySocket:
         engine = Engine(self._bridge, end, now_s=loop.time, log_file=self._log_file)
         clients: set[_Client] = set()
         server = await loop.create_unix_server(
-            lambda: _Client(engine, clients), sock=self._listening
+            lambda: _Client(engine, clients), sock=self._listening.socket
         )
         silence = self._bridge.listen(engine)
         try:
@@ -72,7 +70,7 @@ class KlippySocket:
         finally:
             silence()
             server.close()
-            self._path.unlink(missing_ok=True)
+            self._listening.remove()
             for client in list(clients):
                 client.close()
 
@@ -139,26 +137,3 @@ class _Client(asyncio.Protocol):
         _log.warning("A client of Klipper's socket is dropped: %s", why)
         if self._transport is not None:
             self._transport.abort()
-
-
-def _listening(path: Path) -> socket.socket:
-    """A socket at the path, in place of an older one. Raises InputError."""
-    made = path.with_name(f"{path.name}~")  # the socket gets its name only after its permissions
-    listening = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-    try:
-        if path.exists() and not stat.S_ISSOCK(path.lstat().st_mode):
-            raise FileExistsError(0, "the path is that of a file")
-        made.unlink(missing_ok=True)
-        listening.bind(str(made))
-        made.chmod(0o600)
-        listening.listen(_BACKLOG)
-        listening.setblocking(False)
-        made.rename(path)
-    except OSError as error:
-        listening.close()
-        with suppress(OSError):
-            made.unlink(missing_ok=True)
-        raise InputError.of(
-            "console.unopened", axis=f"socket {path}", value=error.strerror or str(error)
-        ) from None
-    return listening
