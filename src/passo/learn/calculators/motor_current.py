@@ -37,7 +37,7 @@ def _compute(
             Number("reference_v", Text("Reference voltage", "Tensione V_ref"), voltage, "V", 3),
             Number(
                 "torque_percent",
-                Text("Torque, of the rated one", "Coppia, di quella nominale"),
+                Text("Torque, of that with the rated peak", "Coppia, di quella col picco nominale"),
                 percent,
                 "%",
                 0,
