@@ -69,8 +69,8 @@ LESSON = Lesson(
     questions=[
         Question(
             Text(
-                "Driver {driver}, sense resistor {sense_ohm}, peak {peak_a}. Which V_ref do you set?",
-                "Driver {driver}, resistenza {sense_ohm}, picco {peak_a}. Quale V_ref imposti?",
+                "{driver}, sense resistor {sense_ohm}, peak {peak_a}: which V_ref do you set?",
+                "{driver}, resistenza {sense_ohm}, picco {peak_a}: quale V_ref imposti?",
             ),
             "reference_v",
             given={"driver": "A4988", "rated_a": 1.5, "percent": 80.0, "sense_ohm": 0.068},
