@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Sequence
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -147,10 +148,11 @@ def _responses(operation: Operation, schema_of: dict[str, Tree]) -> Tree:
 
 
 def route(operations: Sequence[Operation], title: str = "Passo") -> Route:
-    """The route at which a server describes itself."""
-    described = encoded(operations, title)
+    """The route at which a server describes itself. The description is made when it is asked for,
+    because few do."""
 
     async def answer(_: Request) -> Response:
+        described = await asyncio.to_thread(encoded, operations, title)
         return Response(described, media_type=JSON)
 
     return Route(PATH, answer)

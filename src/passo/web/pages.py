@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import gzip
 from collections.abc import Mapping
 from dataclasses import dataclass
-from mimetypes import guess_type
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,10 +28,26 @@ run <code>make web</code> in the sources, then start Passo again.</p>
 """
 
 
+# Not from the tables of the computer, which differ and are large.
+_KINDS = {
+    ".css": "text/css; charset=utf-8",
+    ".html": "text/html; charset=utf-8",
+    ".ico": "image/vnd.microsoft.icon",
+    ".js": "text/javascript; charset=utf-8",
+    ".json": "application/json; charset=utf-8",
+    ".png": "image/png",
+    ".svg": "image/svg+xml",
+    ".txt": "text/plain; charset=utf-8",
+    ".woff2": "font/woff2",
+}
+
+
 @dataclass(frozen=True, slots=True)
 class _File:
+    """A file of the page. Only the compressed form is kept if there is one."""
+
     data: bytes
-    packed: bytes | None  # compressed by gzip
+    packed: bool  # compressed by gzip
     headers: Mapping[str, str]
 
     def answer(self, request: Request) -> Response:
@@ -39,13 +55,13 @@ class _File:
         headers = dict(self.headers)
         if headers["ETag"] == request.headers.get("if-none-match"):
             return Response(status_code=304, headers=headers)
-        data = self.data
-        if self.packed is not None:
-            headers["Vary"] = "Accept-Encoding"
-            if "gzip" in request.headers.get("accept-encoding", ""):
-                data = self.packed
-                headers["Content-Encoding"] = "gzip"
-        return Response(data, headers=headers)
+        if not self.packed:
+            return Response(self.data, headers=headers)
+        headers["Vary"] = "Accept-Encoding"
+        if "gzip" not in request.headers.get("accept-encoding", ""):
+            return Response(gzip.decompress(self.data), headers=headers)
+        headers["Content-Encoding"] = "gzip"
+        return Response(self.data, headers=headers)
 
 
 def page_routes(built: Path = _BUILT, page: str = PRINTER) -> list[Route]:
@@ -58,7 +74,7 @@ def page_routes(built: Path = _BUILT, page: str = PRINTER) -> list[Route]:
     }
     files = {name: path for name, path in files.items() if name not in {PRINTER, FARM} - {page}}
     if page not in files:
-        missing = _File(_NOT_BUILT, None, _headers("text/html; charset=utf-8", "no-store", ""))
+        missing = _File(_NOT_BUILT, False, _headers("text/html; charset=utf-8", "no-store", ""))
         return [_route("/", missing)]
     routes = [_route(f"/{name}", _read(name, path)) for name, path in files.items()]
     return [_route("/", _read(page, files[page])), *routes]
@@ -66,13 +82,12 @@ def page_routes(built: Path = _BUILT, page: str = PRINTER) -> list[Route]:
 
 def _read(name: str, path: Path) -> _File:
     packed = path.with_name(path.name + ".gz")
-    kind = guess_type(name)[0] or "application/octet-stream"
-    if kind.startswith("text/") or kind.endswith(("javascript", "json")):
-        kind += "; charset=utf-8"
+    kind = _KINDS.get(path.suffix, "application/octet-stream")
     kept = "public, max-age=31536000, immutable" if name.startswith(_HASHED) else "no-cache"
     stat = path.stat()
     headers = _headers(kind, kept, f'"{stat.st_mtime_ns:x}-{stat.st_size:x}"')
-    return _File(path.read_bytes(), packed.read_bytes() if packed.exists() else None, headers)
+    is_packed = packed.exists()
+    return _File((packed if is_packed else path).read_bytes(), is_packed, headers)
 
 
 def _headers(kind: str, kept: str, tag: str) -> dict[str, str]:
