@@ -10,8 +10,9 @@ import pytest
 from tests.support.card_devices import BlockDevice
 from tests.support.card_images import Image, code, partitioned
 
-from passo.card import FatCard, open_card
+from passo.card import open_card
 from passo.card.device import Device
+from passo.card.fat import FatCard
 from passo.errors import CardError
 
 CONTENT = random.Random(8).randbytes(1_000_003)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 from tests.support.card_images import Image, code
 
-from passo.card import FatCard
+from passo.card.fat import FatCard
 from passo.errors import CardError
 
 TABLE = 32 * 512

@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 from tests.support.card_images import Image, code, partitioned, run
 
-from passo.card import FatCard, FolderCard, open_card
+from passo.card import FolderCard, open_card
 from passo.card.directory import checksum
+from passo.card.fat import FatCard
 from passo.errors import CardError
 
 CONTENT = random.Random(3).randbytes(300_001)

@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 from tests.support.card_images import HARMLESS, Image, code
 
-from passo.card import FatCard
 from passo.card.boot import find_volume
 from passo.card.device import Device
+from passo.card.fat import FatCard
 from passo.errors import CardError
 
 CLEAN = 1 << 27

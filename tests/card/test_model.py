@@ -9,7 +9,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from tests.support.card_images import NOON, Image
 
-from passo.card import Card, FatCard, FolderCard
+from passo.card import Card, FolderCard
+from passo.card.fat import FatCard
 from passo.card.names import fold
 from passo.errors import CardError
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from tests.support.card_images import HARMLESS, Image, Write
 
-from passo.card import FatCard
+from passo.card.fat import FatCard
 
 LONGEST, OLD_LONGEST = "new" * 80, "old" * 80
 OLD, NEW = b"old " * 1500, b"new " * 2100

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from passo.card import FatCard
+from passo.card.fat import FatCard
 from passo.errors import CardError
 
 ENVIRONMENT = {**os.environ, "PATH": f"{os.environ['PATH']}:/usr/sbin:/sbin", "LC_ALL": "C.UTF-8"}

@@ -16,12 +16,12 @@ from passo.web.files.body import SPAN_S
 from passo.web.protocol import (
     HEADERS_S,
     MAX_OF_PEER,
-    UNREAD_MESSAGES_S,
     UNREAD_S,
     LimitedProtocol,
 )
 from passo.web.requests import BODY_S
 from passo.web.server import configuration
+from passo.web.web_socket import UNREAD_MESSAGES_S
 
 FILES = "/api/v1/files/content"
 PART = b'--x\r\nContent-Disposition: form-data; name="file"; filename="a.gcode"\r\n\r\nG1 X'

@@ -7,10 +7,9 @@ printers.
 from pathlib import Path
 
 from passo.card.api import Card, Entry, Reader, Writer
-from passo.card.fat import FatCard
 from passo.card.folder import FolderCard
 
-__all__ = ["Card", "Entry", "FatCard", "FolderCard", "Reader", "Writer", "open_card"]
+__all__ = ["Card", "Entry", "FolderCard", "Reader", "Writer", "open_card"]
 
 
 def open_card(path: str | Path) -> Card:
@@ -18,4 +17,8 @@ def open_card(path: str | Path) -> Card:
 
     Raises CardError: `card.absent`, `card.busy`, `card.format`.
     """
-    return FolderCard(path) if Path(path).is_dir() else FatCard(path)
+    if Path(path).is_dir():
+        return FolderCard(path)
+    from passo.card.fat import FatCard
+
+    return FatCard(path)

@@ -9,7 +9,6 @@ import tomllib
 import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from functools import cache
 from pathlib import Path as FilePath
 from typing import Any, cast
@@ -56,7 +55,12 @@ def shipped_boards() -> list[str]:
 
 def meant_board(base: object) -> str | None:
     """The shipped board of this name, or of the most similar name; None if no name is similar."""
-    return next(iter(get_close_matches(str(base), shipped_boards(), 1)), None)
+    names, name = shipped_boards(), str(base)
+    if name in names:
+        return name
+    from difflib import get_close_matches
+
+    return next(iter(get_close_matches(name, names, 1)), None)
 
 
 @cache

@@ -6,7 +6,6 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import date, time
-from difflib import get_close_matches
 from math import isfinite
 from typing import Any, cast
 
@@ -79,6 +78,8 @@ def as_written(value: object) -> object:
 def did_you_mean(word: object, known: Iterable[str]) -> str:
     """A hint with the most similar known word, or with all known words if there are few; otherwise
     empty."""
+    from difflib import get_close_matches
+
     names = sorted(known)
     folded = {name.casefold(): name for name in names}
     close = get_close_matches(str(word).casefold(), folded, n=1, cutoff=0.6)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from difflib import get_close_matches
 from typing import Any, NamedTuple, get_args
 
 from passo.config.findings import Finding, table, tables
@@ -181,6 +180,8 @@ def _put_sensor_name(
 
 def _near(word: str) -> str:
     """A hint with the most similar sensor names."""
+    from difflib import get_close_matches
+
     names = {_folded(sensor.name): sensor.name for sensor in NAMED} | {kind: kind for kind in KINDS}
     parts = [part for part in re.findall(r"[a-z]+|\d+", word.casefold()) if len(part) > 2]
     close = [key for key in names if len(word) > 2 and _folded(word) in key]

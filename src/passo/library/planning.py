@@ -12,11 +12,12 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 from io import BufferedReader, BytesIO, RawIOBase
-from multiprocessing import Pipe
-from multiprocessing.connection import Connection
-from typing import Any, BinaryIO, Generic, Protocol, TypeVar, cast
+from typing import TYPE_CHECKING, Any, BinaryIO, Generic, Protocol, TypeVar, cast
 
 from passo.card.api import Reader
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
 
 _T = TypeVar("_T")
 _R = TypeVar("_R", covariant=True)
@@ -53,6 +54,8 @@ class Planning(Generic[_T]):
     def run(self) -> _T:
         """Returns what the work returns, and raises what it raises, and the errors of reading the
         file. Raises RuntimeError if the process was ended."""
+        from multiprocessing import Pipe
+
         here, there = Pipe()
         with here:
             with there:
@@ -117,6 +120,8 @@ def _serve(host: Connection) -> None:
 
 
 if __name__ == "__main__":
+    from multiprocessing.connection import Connection
+
     os.nice(_NICE)
     with suppress(KeyboardInterrupt), Connection(int(sys.argv[1])) as to_host:
         _serve(to_host)

@@ -1,4 +1,5 @@
-"""The work that the planner does on a file of the card. Its functions are picklable."""
+"""The work that the planner does on a file of the card. Its functions are picklable, and only the
+process that executes them loads what they need."""
 
 from __future__ import annotations
 
@@ -10,12 +11,10 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from passo.errors import InputError, PassoError
-from passo.job.batch.policy import Policy
-from passo.job.batch.verdict import Verdict, fitting, shipped_printers, verdict
-from passo.learn.explain import explain
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
+    from passo.job.batch.verdict import Verdict
     from passo.learn.explanation import Explanation
     from passo.library.planning import TakePath
     from passo.printer.unfit_commands import Skips
@@ -33,6 +32,8 @@ def find_verdict(
     take_path: TakePath,
 ) -> Verdict:
     """Like `verdict`."""
+    from passo.job.batch.verdict import verdict
+
     return verdict(machine, source, size, name, skips, take_path, saved)
 
 
@@ -40,6 +41,8 @@ def find_fitting(
     but: str, most: int, name: str, source: BinaryIO, size: int, _: TakePath
 ) -> list[str]:
     """Like `fitting`, for all shipped machines but one."""
+    from passo.job.batch.verdict import fitting, shipped_printers
+
     others = (machine for machine in shipped_printers() if machine.name != but)
     return fitting(others, source, size, name, most)
 
@@ -48,6 +51,9 @@ def find_explanation(
     machine: MachineConfig, name: str, line: int, source: BinaryIO, _: int, __: TakePath
 ) -> Explanation:
     """Like `explain`, for a file that is called `name`."""
+    from passo.job.batch.policy import Policy
+    from passo.learn.explain import explain
+
     with TemporaryDirectory(prefix="passo-") as folder:
         path = Path(folder, "file.gcode")  # `name` may be too long for this disk
         try:

@@ -7,17 +7,15 @@ from email.utils import formatdate
 from ipaddress import ip_address
 
 from uvicorn.protocols.http.h11_impl import H11Protocol, RequestResponseCycle
-from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 HEADERS_S = 10.0  # maximum time until the headers of a request are complete
 # maximum time for which a client may leave an answer unread, such as a browser that asks its user
 UNREAD_S = 60.0
-UNREAD_MESSAGES_S = 5.0  # the same for the client of a WebSocket
 MAX_CONNECTIONS = 1000
 MAX_OF_PEER = 64  # maximum of connections from one address, except a proxy on this computer
 
 
-class _Timeout:
+class Timeout:
     """Calls `action` once after some time, unless it is stopped before."""
 
     def __init__(self) -> None:
@@ -25,6 +23,7 @@ class _Timeout:
 
     @property
     def runs(self) -> bool:
+        """Whether it is started."""
         return self._handle is not None
 
     def start(self, after_s: float, transport: asyncio.Transport) -> None:
@@ -45,7 +44,7 @@ class LimitedProtocol(H11Protocol):
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Called when a client has connected."""
-        self._headers, self._unread = _Timeout(), _Timeout()
+        self._headers, self._unread = Timeout(), Timeout()
         super().connection_made(transport)
         if self._too_many():
             transport.abort()
@@ -94,28 +93,3 @@ class LimitedProtocol(H11Protocol):
             return False
         clients = [getattr(one, "client", None) for one in self.connections]
         return sum(client is not None and client[0] == peer for client in clients) > MAX_OF_PEER
-
-
-class LimitedWebSocket(WebSocketsSansIOProtocol):
-    """Ends the connection of a client that does not read, without a close message, which the client
-    would not read either."""
-
-    def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Called when a connection becomes a WebSocket."""
-        self._unread = _Timeout()
-        super().connection_made(transport)
-
-    def pause_writing(self) -> None:
-        """Called when more data waits for the client than the buffer may contain."""
-        super().pause_writing()
-        self._unread.start(UNREAD_MESSAGES_S, self.transport)
-
-    def resume_writing(self) -> None:
-        """Called when the client has read enough."""
-        self._unread.stop()
-        super().resume_writing()
-
-    def connection_lost(self, exc: Exception | None) -> None:
-        """Called when the connection has ended."""
-        self._unread.stop()
-        super().connection_lost(exc)

@@ -9,12 +9,12 @@ import socket
 import threading
 from collections.abc import Callable, Coroutine, Generator
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import uvicorn
 
 from passo.errors import InputError
-from passo.web.protocol import LimitedProtocol, LimitedWebSocket
+from passo.web.protocol import LimitedProtocol
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp
@@ -24,13 +24,20 @@ _FRAME = 1 << 16  # bytes of a WebSocket message
 _BACKLOG = 128
 
 
+def _web_socket(**given: Any) -> asyncio.Protocol:
+    """The protocol of a connection that becomes a WebSocket."""
+    from passo.web.web_socket import LimitedWebSocket
+
+    return LimitedWebSocket(**given)
+
+
 def configuration(app: ASGIApp) -> uvicorn.Config:
     """The configuration of uvicorn for an application."""
     return uvicorn.Config(
         app,
         http=LimitedProtocol,
         lifespan="off",
-        ws=LimitedWebSocket,
+        ws=cast("type[asyncio.Protocol]", _web_socket),  # uvicorn only calls it
         ws_per_message_deflate=False,
         ws_max_size=_FRAME,
         access_log=False,

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from passo.config.exporting.klipper import sections_of
 from passo.config.klipper_options import OPTIONS, kind_of, option_of
 from passo.config.part_names import found_name
 
@@ -28,6 +27,8 @@ class Sections:
     @cached_property
     def _own(self) -> dict[str, dict[str, str]]:
         """The sections of the parts that Passo drives."""
+        from passo.config.exporting.klipper import sections_of
+
         return sections_of(self._machine)
 
     @cached_property

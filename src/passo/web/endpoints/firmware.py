@@ -13,7 +13,6 @@ from passo.catalogue import codes_of
 from passo.config.board import Board
 from passo.errors import ConfigError, FirmwareError, WebError
 from passo.printer.status import Status
-from passo.toolchain.targets import state
 from passo.web.call import Call
 from passo.web.firmware.builds import Build
 from passo.web.firmware.flashes import Flash
@@ -210,6 +209,8 @@ def _last(call: Call) -> Build:
 
 
 def _row(name: str, board: Board) -> BoardOfList:
+    from passo.toolchain.targets import state
+
     console = board.console
     uart = f"{console.uart} " if console and console.uart else ""
     return BoardOfList(

@@ -11,17 +11,18 @@ import signal
 import sys
 import time
 import weakref
-import zipfile
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from tempfile import mkdtemp
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from msgspec import Struct
 
 from passo.errors import FirmwareError
-from passo.toolchain.images import About, read_about
+
+if TYPE_CHECKING:
+    from passo.toolchain.images import About
 
 MAX_S = 300.0  # a build that takes longer is ended
 _MAX_LINES = 2000  # of the log
@@ -105,6 +106,8 @@ class Builds:
     def zipped(self) -> bytes:
         """The images of the last build with their descriptions, and its log; a build that has
         failed has only the log. Blocks during access to the disk."""
+        import zipfile
+
         packed = io.BytesIO()
         with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
             if self._folder is not None and self._last and self._last.images:
@@ -178,6 +181,8 @@ def _kill(group: int) -> None:
 
 
 def _images(folder: Path) -> list[Image]:
+    from passo.toolchain.images import read_about
+
     abouts = (read_about(path) for path in sorted(folder.glob("*.json")))
     return [_image(about) for about in abouts if about is not None]
 

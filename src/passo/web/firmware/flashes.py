@@ -12,7 +12,6 @@ from typing import Literal
 from msgspec import Struct
 
 from passo.errors import FirmwareError
-from passo.toolchain.flash_job import ASKS
 
 _COMMAND = (sys.executable, "-m", "passo.toolchain.flash_job")
 _MAX_LINES = 2000  # of the log
@@ -79,6 +78,8 @@ class Flashes:
             process.stdin.write(answer)
 
     async def _run(self, flash: Flash, order: str) -> None:
+        from passo.toolchain.flash_job import ASKS
+
         try:
             self._process = process = await asyncio.create_subprocess_exec(
                 *_COMMAND,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import shutil
 import threading
-from difflib import unified_diff
 from pathlib import Path
 
 from passo import config
@@ -52,6 +51,8 @@ def digest(text: str) -> str:
 
 def difference(before: str, after: str) -> str:
     """The difference between two texts, as `diff -u` shows it; empty if there is none."""
+    from difflib import unified_diff
+
     lines = before.splitlines(), after.splitlines()
     return "\n".join(unified_diff(*lines, f"{_NAME} (file)", f"{_NAME} (new)", lineterm=""))
 
