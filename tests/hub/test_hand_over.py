@@ -97,6 +97,29 @@ def test_start_that_arrives_after_its_run_was_cancelled_is_ended():
     play(test)
 
 
+@pytest.mark.parametrize("away_s", [60.0, 300.0], ids=["prints", "has printed"])
+def test_lost_start_is_not_repeated_after_a_print_by_hand(away_s):
+    async def test():
+        printer = FakePrinter("mk3", print_s=200.0)
+        world = await one_printer(printer)
+        bad_network(world, START, lost=1.0)
+        await asyncio.sleep(6.0)
+        printer.reachable = False
+        printer.disconnect()
+        printer.print_by_hand()
+        await asyncio.sleep(away_s)
+        printer.reachable = True
+        await asyncio.sleep(60.0)
+        (run,) = await world.farm.runs(10, "", "")
+        assert (run.state, printer.starts) == ("cancelled", [])
+        assert "did not receive the start" in run.reason
+        shown = world.shown(printer)
+        assert (shown.attention, shown.bed_clear) == ("", False)
+        assert world.farm.view().jobs[0].waiting == 1
+
+    play(test)
+
+
 @pytest.mark.parametrize("started", [True, False])
 def test_user_says_if_a_printer_without_run_ids_has_started(started):
     async def test():

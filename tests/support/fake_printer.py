@@ -73,7 +73,7 @@ class FakePrinter:
         self.watchers: set[Callable[[Summary], None]] = set()
         self.reachable = True
         self.silent_since_s: float | None = None  # frozen: it neither answers nor closes
-        self.heats: Callable[[FakePrinter], None] = lambda printer: None
+        self.begins: Callable[[FakePrinter], None] = lambda printer: None
         self.refuses_start = self.full = False
 
     @property
@@ -195,7 +195,7 @@ class FakePrinter:
             loop.call_later(self.heat_s, self._warm),
             loop.call_later(self.print_s, self._end, "done", ""),
         ]
-        self.heats(self)
+        self.begins(self)
         self._changed()
 
     def _warm(self) -> None:

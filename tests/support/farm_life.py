@@ -4,6 +4,7 @@ what must hold whatever happens, as the printers see it."""
 from __future__ import annotations
 
 import asyncio
+import sqlite3
 from collections import Counter
 from collections.abc import Callable
 from contextlib import suppress
@@ -32,7 +33,7 @@ class Life:
         self.did: Counter[str] = Counter()
         self.seen: Counter[str] = Counter()
         for printer in world.printers.values():
-            printer.heats = self._heats
+            printer.begins = self._begins
 
     async def set_power(self, printer: FakePrinter, group: str, heating_w: float) -> None:
         """Puts a printer into a power group."""
@@ -156,7 +157,17 @@ class Life:
         with suppress(PassoError, Killed, StopIteration):
             await wish(*values)
 
-    def _heats(self, printer: FakePrinter) -> None:
+    def _begins(self, printer: FakePrinter) -> None:
+        """A print begins: its start is on the disk, and the power of its group suffices."""
+        if printer.job is not None and printer.job.run:
+            sql = "select state from runs where id = ?"
+            # Past the hub, which may be dead.
+            found = sqlite3.Connection.execute(self.world.disk, sql, (printer.job.run,)).fetchone()
+            if found is None or found[0] in ("assigned", "uploading", "uploaded"):
+                self.violations.append(f"{printer.name}: started while it is stored as {found}")
+        self._check_power(printer)
+
+    def _check_power(self, printer: FakePrinter) -> None:
         group, _ = self.groups.get(printer.id, ("", 0.0))
         if not group:
             return
