@@ -11,6 +11,7 @@ from passo.version import __version__
 
 if TYPE_CHECKING:
     from passo.errors import CommandError, ConfigError, InputError, MachineError, PassoError
+    from passo.library import lab
     from passo.library.machine import Machine
     from passo.library.printer import Printer, run
     from passo.printer.status import Status
@@ -31,6 +32,7 @@ __all__ = [
     "Status",
     "__version__",
     "batch",
+    "lab",
     "run",
 ]
 
@@ -58,6 +60,8 @@ registry.load_with(lambda: import_module("passo.library.command_modules"))
 
 def __getattr__(name: str) -> Any:
     """Loads a name of the library at its first use, so that the command line starts quickly."""
+    if name == "lab":
+        return import_module("passo.library.lab")
     if name in _MODULES:
         return getattr(import_module(f"passo.{_MODULES[name]}"), name)
     raise AttributeError(f"module 'passo' has no attribute {name!r}")

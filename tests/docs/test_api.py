@@ -34,7 +34,7 @@ def test_each_example_prints_what_is_shown(tmp_path, code, output):
 
 
 def test_no_example_is_left_out():
-    assert len(EXAMPLES) == PAGE.count("```python\n") == 7
+    assert len(EXAMPLES) == PAGE.count("```python\n") == 8
 
 
 def test_every_event_and_call_is_named():
