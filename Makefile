@@ -94,6 +94,7 @@ bench: .venv/.built .venv/.dev
 	$(BIN)/python bench/console.py
 	$(BIN)/python bench/web.py
 	$(BIN)/python bench/heat.py
+	$(BIN)/python bench/hub.py
 
 soak: .venv/.built
 	$(BIN)/python bench/soak.py
