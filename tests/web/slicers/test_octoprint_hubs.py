@@ -1,6 +1,7 @@
 """What hubs and apps for OctoPrint ask, in addition to slicers: FDM Monster logs in, reads the
 WebSocket, jogs and heats."""
 
+import asyncio
 from dataclasses import replace
 
 import pytest
@@ -83,6 +84,35 @@ def test_socket_closes_a_client_that_does_not_log_in(bridge, monkeypatch):
         assert "connected" in socket.receive_json()
         with pytest.raises(WebSocketDisconnect):
             socket.receive_json()
+
+
+def test_socket_ends_without_an_error_after_a_disconnect(bridge):
+    received = iter([{"type": "websocket.connect"}, {"type": "websocket.disconnect", "code": 1006}])
+    sent = []
+
+    async def receive():
+        return next(received)
+
+    async def send(message):
+        sent.append(message["type"])
+        if message["type"] == "websocket.close":
+            raise OSError("the connection is lost")
+
+    async def main():
+        scope = {
+            "type": "websocket",
+            "path": "/sockjs/websocket",
+            "headers": [(b"host", HOST.encode())],
+            "client": ("127.0.0.1", 50000),
+            "query_string": b"",
+            "subprotocols": [],
+        }
+        await site(bridge)(scope, receive, send)
+
+    asyncio.run(main())
+    assert sent[0] == "websocket.accept"
+    assert "websocket.close" not in sent
+    assert bridge.listeners == []
 
 
 def test_session_of_a_revoked_key_is_refused(bridge):

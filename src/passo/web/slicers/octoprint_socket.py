@@ -85,15 +85,13 @@ class _Socket:
     async def run(self) -> None:
         """Serves the client until it disconnects, or loses the right to see the printer."""
         await self._websocket.accept()
-        try:
-            async with create_task_group() as group:
-                group.start_soon(self._receive, group)
-                with suppress(WebSocketDisconnect, TimeoutError):
+        async with create_task_group() as group:
+            group.start_soon(self._receive, group)
+            with suppress(WebSocketDisconnect):
+                with suppress(TimeoutError):
                     await self._send_all()
-                group.cancel_scope.cancel()
-        finally:
-            with suppress(RuntimeError):  # it is closed already
                 await self._websocket.close()
+            group.cancel_scope.cancel()
 
     async def _receive(self, group: TaskGroup) -> None:
         with suppress(WebSocketDisconnect, KeyError):  # KeyError: the message is not text
