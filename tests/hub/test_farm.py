@@ -311,8 +311,9 @@ def test_totals_are_by_printer_material_and_user():
             ("PLA", 1, 0),
         ]
         assert [(row.name, row.done) for row in found.users] == [("anna", 1), ("bert", 0)]
-        lines = [(line.who, line.what) for line in await world.farm.events(3)]
-        assert lines[0][0] == "hub" and "A fault" in " ".join(what for _, what in lines)
+        lines = [(line.who, line.what) for line in await world.farm.events(4)]
+        assert ("hub", "The print on b is failed: A fault") in lines
+        assert ("hub", "Job 2 is over: 1 failed") in lines
 
     play(test)
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections import Counter
+from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 
@@ -110,7 +111,7 @@ class RunBook:
                 change.set(printer, attention=reason or "A print failed")
             if cleared_number is not None:
                 change.set(printer, bed_clear=True, cleared_number=cleared_number, cleared_by="")
-            self._give(change, job, run, again)
+            self._give(change, job, again)
 
     def withdraw(self, run: RunRow, reason: str, user: str = "") -> None:
         """Ends a run that has printed nothing; another one prints its copy, unless a user has
@@ -126,46 +127,47 @@ class RunBook:
                 reason=reason,
                 gives_back=again,
             )
-            self._give(change, job, run, again)
+            self._give(change, job, again)
 
     def cancel(self, run: RunRow, user: str) -> None:
         """A user does not want this run. If its start may have been sent, this is a wish: the
         printer must confirm the end."""
         with self._change(run, user, f"{self._name(run)} is to cancel its run") as change:
-            self._cancel(change, self._store.jobs[run.job], run, user)
+            self._cancel(change, run, user)
+            self.close(change, self._store.jobs[run.job])
 
     def cancel_job(self, job: JobRow, user: str) -> None:
         """A user does not want this job: nothing more of it starts, and its runs are cancelled."""
         with self._store.change(user, f"Job {job.number} is cancelled", job=job.id) as change:
             job = change.set(job, cancelled=True)
-            over: set[str] = set()
             for run in self._store.runs_of(job.id).values():
-                if not run.state.over and self._cancel(change, None, run, user):
-                    over.add(run.id)
-            self.close(change, job, over)
+                if not run.state.over:
+                    self._cancel(change, run, user)
+            self.close(change, job)
 
-    def _cancel(self, change: Change, job: JobRow | None, run: RunRow, user: str) -> bool:
-        """Cancels a run, and ends its job with it; returns whether the run is over."""
+    def _cancel(self, change: Change, run: RunRow, user: str) -> None:
         if run.state in (_S.STARTING, _S.PRINTING):
             change.set(run, cancelled_by=user)
-            return False
-        change.move(run, run.state, _S.CANCELLED, ended_s=self._wall_s(), cancelled_by=user)
-        if job is not None:
-            self._give(change, job, run, False)
-        return True
+        else:
+            change.move(run, run.state, _S.CANCELLED, ended_s=self._wall_s(), cancelled_by=user)
 
-    def close(self, change: Change, job: JobRow, but: Collection[str] = ()) -> None:
-        """Ends a job if nothing of it is left to do. `but` are runs that end in this change."""
+    def close(self, change: Change, job: JobRow) -> None:
+        """Ends a job if nothing of it is left to do."""
         if not job.cancelled and job.given < job.quantity:
             return
-        runs = self._store.runs_of(job.id).values()
-        if all(run.state.over or run.id in but for run in runs):
-            change.set(job, over_s=self._wall_s())
+        runs = [change.now(run) for run in self._store.runs_of(job.id).values()]
+        if not all(run.state.over for run in runs):
+            return
+        states = Counter(run.state.value for run in runs if not run.gives_back)
+        states["cancelled"] += max(job.quantity - job.given, 0)
+        ends = ", ".join(f"{n} {state}" for state, n in sorted(states.items()) if n)
+        change.set(job, over_s=self._wall_s())
+        change.note(f"Job {job.number} is over: {ends}", job=job.id)
 
-    def _give(self, change: Change, job: JobRow, run: RunRow, again: bool) -> None:
+    def _give(self, change: Change, job: JobRow, again: bool) -> None:
         if again:
             job = change.set(job, given=job.given - 1)
-        self.close(change, job, (run.id,))
+        self.close(change, job)
 
     def _failures(self, job: JobRow) -> int:
         runs = self._store.runs_of(job.id).values()

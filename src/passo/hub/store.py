@@ -161,12 +161,12 @@ class Store:
             self._base.execute("begin immediate")
             yield change
             if what:
-                values = (self._wall_s(), user or HUB, what)
-                ids = tuple(about.get(name, "") for name in ("printer", "job", "run"))
+                change.note(what, **about)
+            for text, ids in change.notes:
                 self._base.execute(
                     "insert into events (time_s, who, what, printer, job, run)"
                     " values (?, ?, ?, ?, ?, ?)",
-                    values + ids,
+                    (self._wall_s(), user or HUB, text, *ids),
                 )
             self._base.execute("commit")
         except BaseException as error:
@@ -231,6 +231,11 @@ class Change:
         self._base, self._memory = base, memory
         self.written: dict[tuple[type[Struct], Any], Struct] = {}
         self.removed: list[Struct] = []
+        self.notes: list[tuple[str, tuple[str, str, str]]] = []
+
+    def note(self, what: str, printer: str = "", job: str = "", run: str = "") -> None:
+        """A line for the log; it is written at the end of the transaction."""
+        self.notes.append((what, (printer, job, run)))
 
     def add(self, row: Struct) -> None:
         """Adds a row; an equal key is an error of SQLite."""
@@ -273,11 +278,15 @@ class Change:
         if found.rowcount != 1:
             raise WrongState(f"no row of {table.name} is {key}")
 
-    def _now(self, row: _T, fields: Mapping[str, Any]) -> _T:
+    def now(self, row: _T) -> _T:
+        """A row with the changes of this transaction."""
         key = type(row), _key(_TABLES[type(row)], row)
-        known = self.written.get(key) or self._memory[type(row)].get(key[1], row)
-        self.written[key] = new = replace(known, **fields)
-        return cast(_T, new)
+        return cast(_T, self.written.get(key) or self._memory[type(row)].get(key[1], row))
+
+    def _now(self, row: _T, fields: Mapping[str, Any]) -> _T:
+        new = replace(self.now(row), **fields)
+        self.written[type(row), _key(_TABLES[type(row)], row)] = new
+        return new
 
 
 def _key(table: Table[Any], row: Struct) -> Any:
