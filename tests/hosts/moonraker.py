@@ -22,9 +22,11 @@ class Refused(Exception):
 
 
 class Moonraker:
-    """One server for a printer's socket and the folder of its files."""
+    """One server for a printer's socket and the folder of its files; `more` is configuration."""
 
-    def __init__(self, program: Path, folder: Path, socket: str, card: Path) -> None:
+    def __init__(
+        self, program: Path, folder: Path, socket: str, card: Path, more: str = ""
+    ) -> None:
         self._log = folder / "moonraker.log"
         self._output = self._log.open("w")
         port = free_port()
@@ -36,7 +38,7 @@ class Moonraker:
         settings.write_text(
             f"[server]\nhost: 127.0.0.1\nport: {port}\nklippy_uds_address: {socket}\n"
             "[machine]\nprovider: none\nvalidate_service: False\n"
-            "[authorization]\ntrusted_clients:\n  127.0.0.1\n[octoprint_compat]\n"
+            "[authorization]\ntrusted_clients:\n  127.0.0.1\n[octoprint_compat]\n" + more
         )
         self._process = subprocess.Popen(
             [str(program), "-d", str(folder), "-c", str(settings)],
