@@ -1,3 +1,4 @@
+import { expect } from "vitest";
 import { expectAccessible, expectFits, picture } from "./browser";
 import { test } from "./fixtures";
 
@@ -8,6 +9,11 @@ test("a line is explained through its stages, also one of a file", async ({ page
     await page.getByRole("heading", { name: stage, exact: true }).waitFor();
   }
   await page.getByText("14.142 mm").waitFor();
+  const commands = page.locator("ul.wire li");
+  expect(await commands.count()).toBe(12);
+  await page.getByRole("button", { name: "Show all commands" }).click();
+  await expect.poll(() => commands.count()).toBeGreaterThan(12);
+  expect(await commands.first().locator(".field.interval").textContent()).toMatch(/^[0-9a-f]{2}( [0-9a-f]{2})*$/);
   await picture(page, "explained-1280-light");
   await page.setViewportSize({ width: 360, height: 800 });
   await page.emulateMedia({ colorScheme: "dark" });

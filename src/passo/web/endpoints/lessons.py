@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-from typing import Annotated
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from typing import Annotated, ParamSpec, TypeVar
 
 from msgspec import Meta, Struct
 
@@ -16,6 +19,16 @@ from passo.web.operation import operation
 from passo.web.roles import Role
 
 _VALUE = ("learn.parameter", "learn.value")
+_P = ParamSpec("_P")
+_T = TypeVar("_T")
+# One thread: however many clients try experiments, the printer shares its interpreter with one.
+_WORKER = ThreadPoolExecutor(1, "lessons")
+
+
+async def _computed(call: Callable[_P, _T], *args: _P.args, **kwargs: _P.kwargs) -> _T:
+    """The result of a computation, which does not block the web's event loop."""
+    loop = asyncio.get_running_loop()
+    return await loop.run_in_executor(_WORKER, partial(call, *args, **kwargs))
 
 
 class InLanguage(Struct, forbid_unknown_fields=True):
@@ -39,7 +52,7 @@ class GivenAnswer(InLanguage, forbid_unknown_fields=True, kw_only=True):
 @operation("lessons.list", "GET", "/lessons", Role.VIEWER)
 async def lessons(call: Call, query: InLanguage) -> views.CourseView:
     """The path of the course, and the calculators."""
-    return await asyncio.to_thread(views.course_view, query.language)
+    return await _computed(views.course_view, query.language)
 
 
 @operation("lessons.get", "GET", "/lessons/{name}", Role.VIEWER, errors=("learn.lesson",))
@@ -47,7 +60,7 @@ async def lesson(call: Call, name: str, query: InLanguage) -> views.LessonView:
     """A lesson: its texts with the numbers of its experiment, its questions, and the code that it
     explains."""
     found = course.lesson(name)
-    return await asyncio.to_thread(views.lesson_view, found, query.language)
+    return await _computed(views.lesson_view, found, query.language)
 
 
 @operation(
@@ -56,7 +69,7 @@ async def lesson(call: Call, name: str, query: InLanguage) -> views.LessonView:
 async def run_lesson(call: Call, name: str, body: Trial) -> views.OutcomeView:
     """Runs the experiment of a lesson with other values."""
     found = course.lesson(name).experiment
-    return await asyncio.to_thread(views.outcome_view, found, body.values, body.language)
+    return await _computed(views.outcome_view, found, body.values, body.language)
 
 
 @operation(
@@ -75,7 +88,7 @@ async def check(
     if question >= len(found.questions):
         limit = len(found.questions)
         raise CommandError.of("learn.question", axis=name, value=question, limit=limit)
-    asked = await asyncio.to_thread(found.asked, question)
+    asked = await _computed(found.asked, question)
     return asked.check(body.answer, body.language)
 
 
@@ -85,7 +98,7 @@ async def check(
 async def calculator(call: Call, name: str, query: InLanguage) -> views.ExperimentView:
     """A calculator with its parameters, and its outcome with their defaults."""
     found = course.calculator(name)
-    return await asyncio.to_thread(views.experiment_view, found, query.language)
+    return await _computed(views.experiment_view, found, query.language)
 
 
 @operation(
@@ -98,4 +111,4 @@ async def calculator(call: Call, name: str, query: InLanguage) -> views.Experime
 async def run_calculator(call: Call, name: str, body: Trial) -> views.OutcomeView:
     """Calculates with other values."""
     found = course.calculator(name)
-    return await asyncio.to_thread(views.outcome_view, found, body.values, body.language)
+    return await _computed(views.outcome_view, found, body.values, body.language)
