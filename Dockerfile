@@ -1,5 +1,5 @@
 # Images of Passo; docs/how-to/run-in-a-container.md describes them.
-#   docker build -t passo .                          one printer, simulated unless its command is changed
+#   docker build -t passo .                          one printer, simulated unless its command is changed; or a hub
 #   docker build -t passo-worker --target worker .   computes cases of studies
 
 FROM debian:12-slim AS build
@@ -12,7 +12,7 @@ RUN make wheel
 # The versions of the tests, as constraints without hashes: the wheel has none.
 RUN sed -n 's/^\([A-Za-z0-9._-]*==[^\\]*\).*/\1/p' requirements/run.lock requirements/dev.lock > versions.txt \
  && python3 -m venv /opt/passo \
- && /opt/passo/bin/pip install -q --no-cache-dir -c versions.txt "$(echo dist/passo-*.whl)[web,mdns,resonance]"
+ && /opt/passo/bin/pip install -q --no-cache-dir -c versions.txt "$(echo dist/passo-*.whl)[web,hub,mdns,resonance]"
 
 FROM build AS build-worker
 RUN /opt/passo/bin/pip install -q --no-cache-dir -c versions.txt "$(echo dist/passo-*.whl)[cluster]"
@@ -35,6 +35,6 @@ ENTRYPOINT ["dask", "worker", "--nworkers", "auto", "--nthreads", "1", "--no-das
 FROM base AS printer
 COPY --from=build /opt/passo /opt/passo
 VOLUME /var/lib/passo
-EXPOSE 4000
+EXPOSE 4000 4100
 ENTRYPOINT ["passo"]
 CMD ["serve", "--simulated", "--machine", "i3", "--http", "0.0.0.0:4000", "--tcp", "127.0.0.1:2323", "--sd", "card", "--state", "."]

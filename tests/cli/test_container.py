@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from passo.cli import serve
+from passo.cli import hub, serve
 
 ROOT = Path(__file__).parents[2]
 LINES = re.sub(r"\\\n", " ", (ROOT / "Dockerfile").read_text()).splitlines()
@@ -27,8 +27,20 @@ def test_container_serves_a_simulated_printer_to_other_computers():
     serve.add_arguments(parser)
     given = parser.parse_args(options)
     assert (subcommand, given.simulated, given.http) == ("serve", True, ("0.0.0.0", 4000))
-    assert of("EXPOSE") == ["4000"]
+    assert of("EXPOSE") == ["4000 4100"]
     assert json.loads(of("ENTRYPOINT")[-1]) == ["passo"]
+
+
+def test_container_commands_of_the_how_to_are_understood():
+    page = (ROOT / "docs/how-to/run-in-a-container.md").read_text()
+    found = re.findall(r"passo (serve|hub) (--[^`\n]*)", re.sub(r"\\\n", " ", page))
+    assert {name for name, _ in found} == {"serve", "hub"}
+    for name, options in found:
+        parser = argparse.ArgumentParser()
+        {"serve": serve, "hub": hub}[name].add_arguments(parser)
+        given = parser.parse_args(options.split())
+        assert given.state == "."
+        assert given.http[0] == "0.0.0.0"
 
 
 def test_container_keeps_state_and_card_in_its_volume():
@@ -52,7 +64,7 @@ def test_container_installs_extras_and_locks_that_exist():
     wanted = {
         name for found in re.findall(r"\.whl\)\[([\w,]+)\]", text) for name in found.split(",")
     }
-    assert wanted == {"web", "mdns", "resonance", "cluster"}
+    assert wanted == {"web", "hub", "mdns", "resonance", "cluster"}
     assert wanted <= set(extras["optional-dependencies"])
     locks = re.findall(r"requirements/\w+\.lock", text)
     assert locks
