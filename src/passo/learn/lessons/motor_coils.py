@@ -357,11 +357,13 @@ LESSON = Lesson(
     printer=OwnPrinter(
         Text(
             "An axis that moves the wrong way needs no other wires: put or remove `!` before its"
-            " direction pin in the machine file. The page asks for it, motor by motor.",
+            " direction pin in the machine file. This command turns the motor forth and back, also"
+            " before homing.",
             "Un asse che va nel verso sbagliato non richiede altri fili: metti o togli `!` davanti"
-            " al pin di direzione nel file macchina. La pagina lo chiede, motore per motore.",
+            " al pin di direzione nel file macchina. Questo comando gira il motore avanti e"
+            " indietro, anche prima dell'homing.",
         ),
-        page="calibrate/motors",
+        command="STEPPER_BUZZ STEPPER=stepper_x",
     ),
     links=[Link(Text("Drivers", "Driver"), document="docs/how-to/set-up-drivers.md")],
 )
