@@ -15,7 +15,7 @@ from tests.support.card_images import ENVIRONMENT
 from tests.support.served_hub import ServedHub
 from tests.support.served_printer import ServedPrinter
 
-from passo.card import FatCard
+from passo.card import open_card
 
 SILENT_S, LOST_S = 1.5, 1.0
 _PRINT = b"G28\nG1 Z5 F600\n" + b"G1 X20 Y20 F6000\nG1 X100 Y20\n" * 4
@@ -28,7 +28,7 @@ def full_card(path: Path) -> Path:
         file.truncate(_CARD)
     command = ["mkfs.fat", "-F", "32", str(path)]
     subprocess.run(command, check=True, env=ENVIRONMENT, capture_output=True)
-    card = FatCard(path)
+    card = open_card(path)
     writer = card.create("/photos.bin")
     writer.write(bytes(card.free_bytes - _RESERVE + (1 << 16)))
     writer.close()

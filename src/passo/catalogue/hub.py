@@ -19,7 +19,7 @@ HUB: Mapping[str, Entry] = {
     "hub.refused": _hub("{axis} refuses: {value}", "Look at the page of the printer"),
     "hub.code": _hub(
         "{axis} needs a one-time code",
-        "Make one on the printer's page under Settings, Accounts; it is valid for ten minutes",
+        "Make one on the page of the printer: Settings, Let a farm in. It is valid for ten minutes",
     ),
     "hub.address": _hub("{value!r} is not the address of a printer", "Give it as http://HOST:PORT"),
     "hub.known": _hub(
