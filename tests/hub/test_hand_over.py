@@ -120,6 +120,27 @@ def test_lost_start_is_not_repeated_after_a_print_by_hand(away_s):
     play(test)
 
 
+@pytest.mark.parametrize("wish", ["stop", "service"])
+def test_lost_start_is_not_repeated_after_a_users_wish(wish):
+    async def test():
+        printer = FakePrinter("mk3")
+        world = await one_printer(printer)
+        bad_network(world, START, lost=1.0)
+        await asyncio.sleep(6.0)
+        printer.reachable = False
+        printer.disconnect()
+        if wish == "stop":
+            (stopped,) = await world.farm.stop([printer.id], "anna")
+            assert stopped.result == "unreachable"
+        else:
+            await world.farm.change_printer(printer.id, PrinterChange(service=True), "anna")
+        printer.reachable = True
+        await asyncio.sleep(60.0)
+        assert (list(world.states().values()), printer.starts) == (["cancelled"], [])
+
+    play(test)
+
+
 @pytest.mark.parametrize("started", [True, False])
 def test_user_says_if_a_printer_without_run_ids_has_started(started):
     async def test():
