@@ -112,7 +112,7 @@ def test_lost_start_is_not_repeated_after_a_print_by_hand(away_s):
         await asyncio.sleep(60.0)
         (run,) = await world.farm.runs(10, "", "")
         assert (run.state, printer.starts) == ("cancelled", [])
-        assert "did not receive the start" in run.reason
+        assert "has not received the start" in run.reason
         shown = world.shown(printer)
         assert (shown.attention, shown.bed_clear) == ("", False)
         assert world.farm.view().jobs[0].waiting == 1
@@ -364,6 +364,22 @@ def test_wish_to_cancel_waits_for_an_unreachable_printer():
         await asyncio.sleep(100.0)
         assert list(world.states().values()) == ["cancelled"]
         assert printer.cancels == 1 and printer.users[-1] == "boss"
+
+    play(test)
+
+
+def test_lost_cancel_is_sent_again():
+    async def test():
+        printer = FakePrinter("mk3")
+        world = await one_printer(printer)
+        await asyncio.sleep(60.0)
+        world.network.lost = 1.0
+        await world.farm.cancel(printer.id, "boss")
+        await asyncio.sleep(5.0)
+        world.network.lost = 0.0
+        await asyncio.sleep(30.0)
+        assert printer.users == ["anna", "boss", "boss"]
+        assert (list(world.states().values()), printer.cancels) == (["cancelled"], 1)
 
     play(test)
 

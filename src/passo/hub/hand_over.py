@@ -96,9 +96,11 @@ class HandOver:
         if run.id != self._unsent and not await self._is_unknown(run):
             return
         self._unsent = ""
-        job = self._store.jobs[run.job]
+        now = self._current(run, _S.STARTING)
+        if now is None or self._withdrawn(now):
+            return
         try:
-            await self._link.start(run.id, run.path, job.added_by)
+            await self._link.start(run.id, run.path, self._store.jobs[run.job].added_by)
         except Refused as refusal:
             if (now := self._current(run, _S.STARTING)) is not None:
                 self._book.over(now, _S.FAILED, f"The start was refused: {refusal}", Figures())
@@ -111,31 +113,35 @@ class HandOver:
             self._book.printing(now)
 
     async def _is_unknown(self, run: RunRow) -> bool:
-        """Whether the printer has certainly not received the start, and it shall be sent."""
+        """Whether the printer has certainly not received the start."""
         try:
             report = await self._link.report(run.id)
         except StartUnknown:
             self._doubt(run)
             return False
-        if (now := self._current(run, _S.STARTING)) is None:
-            return False
-        if report is not None:
+        if report is None:
+            return True
+        if (now := self._current(run, _S.STARTING)) is not None:
             self._book.printing(now)
-            return False
+        return False
+
+    def _withdrawn(self, run: RunRow) -> bool:
+        """Takes back a run that the printer has not received, if it must not start now."""
         seen, printer = self._contact.now, self._store.printers[self._printer]
-        if now.cancelled_by:
-            self._book.withdraw(now, "It was cancelled before it started", now.cancelled_by)
+        if run.cancelled_by:
+            self._book.withdraw(run, "It was cancelled before it started", run.cancelled_by)
         elif (
             seen is None
             or seen.state != "idle"
-            or last_number(seen) != now.number_before
+            or last_number(seen) != run.number_before
             or printer.attention
             or printer.service
         ):
-            self._book.withdraw(now, "The printer did not receive the start, and is not free now")
+            reason = "The printer has not received the start, and is not free now"
+            self._book.withdraw(run, reason)
         else:
-            return True
-        return False
+            return False
+        return True
 
     async def _follow(self, run: RunRow) -> None:
         seen = self._contact.now
