@@ -165,7 +165,7 @@ LESSON = Lesson(
         Question(
             Text(
                 "The nozzle has {nozzle_c}, the room `25 °C`. The neck has {break_k_w}, the heat"
-                " sink {sink_k_w}. Which temperature has the cold side?",
+                " sink {sink_k_w}. What is the temperature of the cold side?",
                 "L'ugello è a {nozzle_c}, l'ambiente a `25 °C`. Il collo ha {break_k_w}, il"
                 " dissipatore {sink_k_w}. Quale temperatura ha il lato freddo?",
             ),
