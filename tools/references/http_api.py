@@ -63,6 +63,20 @@ A client may send
 
 It closes with 1008 when the log-in ends. The connection ends without a code if the client does not
 read for 5 s.
+
+`/api/v1/summary/feed` is a WebSocket (role viewer) for pages over many printers. Each message is
+the whole [Summary](#summary): at the start, at once when the state, the print, the fault or the
+last print changes, and otherwise at most every 2 s. It ends in the same way.
+
+## Headers
+
+| header | of | meaning |
+|---|---|---|
+| `X-Api-Key` | a program | its key |
+| `X-Passo-Request: 1` | a browser that is logged in | needed to change something |
+| `X-Passo-User` | a program | the user for whom it acts: consoles and log show `KEY (USER)` |
+
+A user's name beyond ASCII is UTF-8 with percent-encoding.
 """
 
 
