@@ -63,6 +63,25 @@ def test_urgent_job_comes_first_and_a_paused_one_not_at_all():
     play(test)
 
 
+def test_paused_queue_keeps_an_uploaded_run_from_starting():
+    async def test():
+        world = await farm("a")
+        job = await world.job()
+        await asyncio.sleep(2.0)
+        await world.farm.pause_queue(True, USER)
+        await asyncio.sleep(100.0)
+        assert (list(world.states().values()), starts(world)) == (["uploaded"], {"a": 0})
+        await world.farm.change_job(job.id, JobChange(paused=True), USER)
+        await world.farm.pause_queue(False, USER)
+        await asyncio.sleep(100.0)
+        assert (list(world.states().values()), starts(world)) == (["cancelled"], {"a": 0})
+        await world.farm.change_job(job.id, JobChange(paused=False), USER)
+        await asyncio.sleep(100.0)
+        assert starts(world) == {"a": 1}
+
+    play(test)
+
+
 def test_heaters_of_a_power_group_warm_up_one_after_the_other():
     async def test():
         world = await farm("a", "b", "c", heat_s=100.0)
