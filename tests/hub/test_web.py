@@ -97,6 +97,27 @@ def test_jobs_of_a_limited_account_go_to_its_printers(tmp_path):
     with_farm(tmp_path, "a", "b")(test)
 
 
+def test_limited_account_leaves_the_printers_of_others_alone(tmp_path):
+    async def test(web: FarmWeb):
+        first, second = web.printers
+        await web.world.add(first, "school")
+        await web.world.add(second, "shop")
+        await upload(web)
+        body = {"file": SHA256, "each": [first.id, second.id]}
+        job = (await web.client.post("/jobs", json=body)).json()
+        anna = await web.caller("anna", Role.OPERATOR, "school")
+        assert len((await anna.get("/jobs")).json()) == 1
+        answers = [
+            await anna.delete(f"/jobs/{job['id']}"),
+            await anna.patch(f"/jobs/{job['id']}", json={"paused": True}),
+            await anna.put("/queue", json={"paused": True}),
+        ]
+        assert [answer.json()["error"]["code"] for answer in answers] == ["hub.limited"] * 3
+        assert not web.world.farm.view().queue_paused
+
+    with_farm(tmp_path, "a", "b")(test)
+
+
 @pytest.mark.parametrize(
     ("method", "path", "body"),
     [

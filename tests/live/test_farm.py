@@ -81,10 +81,10 @@ def run_farm(
         hub.add(printers)
         job = hub.job("part.gcode", _PRINT, quantity=quantity, retries=3)
         hub.clear_beds()
-        hub.wait(lambda: prints(hub))
+        hub.wait(lambda: prints(hub), within_s)
         hub.kill()
         hub.begin()
-        hub.wait(lambda: hub.printers()["p0"]["condition"] != "connecting")
+        hub.wait(lambda: hub.printers()["p0"]["condition"] != "connecting", within_s)
         frozen = printers[0]
         frozen.signal(signal.SIGSTOP)
         thaw = time.monotonic() + frozen_s

@@ -40,9 +40,8 @@ class FarmWeb:
         store = Store(folder, more=SCHEMA)
         self.accounts = Accounts(store, wall_s=lambda: 1.8e9, now_s=lambda: 0.0)
         self.limits = Limits(store)
-        site = HubSite(
-            self.world.farm, self.contents, self._fits, self.limits, self._pair, self.proposals
-        )
+        parts = self.world.farm, self.contents, self._fits, self.limits, self._pair
+        site = HubSite(*parts, self.proposals, self.world.wall_s)
         self.app = hub_app(site, self.accounts, Binding(loopback=True))
         self.client = self._client()
 

@@ -51,7 +51,9 @@ class ServedHub:
     def kill(self) -> None:
         """Ends the process at once (kill -9)."""
         self.process.kill()
-        self.process.communicate(timeout=20)
+        self.process.wait(timeout=20)
+        assert self.process.stderr is not None
+        self.process.stderr.close()
 
     def ask(self, method: str, path: str, body: object = None) -> Any:
         """The answer to a request; bytes are sent as they are."""

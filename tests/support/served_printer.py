@@ -55,4 +55,6 @@ class ServedPrinter:
     def kill(self) -> None:
         """Ends the process at once."""
         self.process.kill()
-        self.process.communicate(timeout=END_S)
+        self.process.wait(timeout=END_S)
+        assert self.process.stderr is not None
+        self.process.stderr.close()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 @dataclass(frozen=True, slots=True)
 class HubSite:
     """The farm, the contents of its files, whether these fit printers, the limits of accounts, how
-    a printer is made known, and the printers that multicast DNS has found."""
+    a printer is made known, the printers that multicast DNS has found, and the wall clock, in
+    seconds since 1970."""
 
     farm: FarmControl
     contents: Contents
@@ -31,6 +32,7 @@ class HubSite:
     limits: Limits
     pair: Callable[[NewPrinter], Awaitable[PrinterRecord]]
     proposals: Proposals
+    wall_s: Callable[[], float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +73,26 @@ class HubCall(ServerCall):
         if found is None:
             raise WebError.of("web.not-found", value=f"job {id}")
         return found
+
+    def own_job(self, id: str) -> JobView:
+        """A job that the caller may change: all of its named printers are the caller's. Raises
+        WebError and HubError."""
+        found = self.job(id)
+        self.require_all(found.each)
+        return found
+
+    def require_all(self, printers: Sequence[str]) -> None:
+        """Raises HubError unless the caller sees all of these printers."""
+        names = {printer.id: printer.name for printer in self.farm.view().printers}
+        seen = {printer.id for printer in self.view().printers}
+        other = next((id for id in printers if id in names and id not in seen), None)
+        if other is not None:
+            raise HubError.of("hub.limited", value=self.user, axis=names[other])
+
+    def require_no_limit(self, what: str) -> None:
+        """Raises HubError for a limited caller; `what` concerns all printers."""
+        if self.tags is not None:
+            raise HubError.of("hub.limited", value=self.user, axis=what)
 
     def file(self, sha256: str) -> FileView:
         """A file. Raises WebError."""

@@ -68,7 +68,7 @@ async def served(
         stack.push_async_callback(fits.close)
         farm = Farm(store, links, contents.path, fits)
         proposals = Proposals()
-        site = HubSite(farm, contents, fits, Limits(kept), links.pair, proposals)
+        site = HubSite(farm, contents, fits, Limits(kept), links.pair, proposals, time.time)
         app = hub_app(site, accounts, binding)
         await farm.start()
         stack.push_async_callback(farm.close)

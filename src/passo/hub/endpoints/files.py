@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from typing import Annotated
 
 from msgspec import Meta, Struct
@@ -61,7 +60,7 @@ async def add(call: HubCall, query: FileName) -> FileView:
         sha256,
         name.rpartition("/")[2],
         size,
-        time.time(),
+        call.site.wall_s(),
         facts.materials,
         facts.nozzle_mm,
         facts.print_s,

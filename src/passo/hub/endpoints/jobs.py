@@ -57,7 +57,7 @@ async def add(call: HubCall, body: NewJob) -> JobView:
 @operation("jobs.change", "PATCH", "/jobs/{id}", Role.OPERATOR, errors=_JOB)
 async def change(call: HubCall, id: str, body: JobChange) -> JobView:
     """Changes a job. Runs that have begun stay as they are."""
-    call.job(id)
+    call.own_job(id)
     if not isinstance(body.tags, UnsetType):
         body = replace(body, tags=call.require_tags(body.tags))
     return await call.farm.change_job(id, body, call.user)
@@ -66,13 +66,14 @@ async def change(call: HubCall, id: str, body: JobChange) -> JobView:
 @operation("jobs.cancel", "DELETE", "/jobs/{id}", Role.OPERATOR, errors=_JOB)
 async def cancel(call: HubCall, id: str) -> None:
     """Ends a job: nothing more of it starts, and its prints are cancelled."""
-    call.job(id)
+    call.own_job(id)
     await call.farm.cancel_job(id, call.user)
 
 
-@operation("queue.pause", "PUT", "/queue", Role.OPERATOR, errors=("hub.store",))
+@operation("queue.pause", "PUT", "/queue", Role.OPERATOR, errors=("hub.limited", "hub.store"))
 async def pause(call: HubCall, body: QueueState) -> QueueState:
     """Pauses the queue, so that nothing starts, or goes on with it. Running prints go on."""
+    call.require_no_limit("the queue of the whole farm")
     await call.farm.pause_queue(body.paused, call.user)
     return body
 

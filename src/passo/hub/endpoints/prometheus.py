@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections import Counter
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, get_args
@@ -44,10 +43,10 @@ async def targets(call: HubCall) -> Response:
 @operation("metrics.get", "GET", "/metrics", Role.VIEWER, produces=CONTENT, root="")
 async def metrics(call: HubCall) -> Response:
     """The farm for Prometheus."""
-    return answer(*_metrics(call.view(), await call.farm.statistics()))
+    return answer(*_metrics(call.view(), await call.farm.statistics(), call.site.wall_s()))
 
 
-def _metrics(farm: Farm, totals: Statistics) -> Iterator[Metric]:
+def _metrics(farm: Farm, totals: Statistics, now_s: float) -> Iterator[Metric]:
     conditions = Counter(printer.condition for printer in farm.printers)
     counts = {condition: float(conditions[condition]) for condition in get_args(Condition)}
     yield Metric("passo_hub_printers", "gauge", "Printers by what they do.", "condition", counts)
@@ -64,7 +63,6 @@ def _metrics(farm: Farm, totals: Statistics) -> Iterator[Metric]:
     yield Metric("passo_hub_queue_length", "gauge", "Prints that wait.", "", waiting)
     paused = {"": float(farm.queue_paused)}
     yield Metric("passo_hub_queue_paused", "gauge", "1 if nothing starts.", "", paused)
-    now_s = time.time()
     waits = [now_s - job.added_s for job in farm.jobs if job.waiting]
     text = "Age of the oldest job that waits."
     yield Metric("passo_hub_queue_oldest_seconds", "gauge", text, "", {"": max(waits, default=0.0)})
