@@ -13,10 +13,10 @@ from passo.hub.job_wishes import JobWishes
 from passo.hub.link import Link, PrinterRecord
 from passo.hub.matching import Fit, Fits
 from passo.hub.parts import Parts
-from passo.hub.picture import FarmPicture
 from passo.hub.printer_wishes import PrinterWishes
 from passo.hub.service import ServiceItems
 from passo.hub.store import Store
+from passo.hub.view_maker import ViewMaker
 from passo.hub.views import Farm as FarmView
 from passo.hub.views import PrinterView
 
@@ -44,9 +44,9 @@ class Farm(PrinterWishes, JobWishes, ServiceItems, History):
         SHA-256; `fits` says whether a file fits a printer, None while that is not known (call
         `refit` when it is). `wall_s` is the wall clock, `chance` spreads the connections."""
         self._parts = Parts(store, links, content, fits, wall_s, chance or Random(), new_id)
-        self._picture = FarmPicture(self._parts)
-        PrinterWishes.__init__(self, self._parts, self._picture)
-        JobWishes.__init__(self, self._parts, self._picture)
+        self._views = ViewMaker(self._parts)
+        PrinterWishes.__init__(self, self._parts, self._views)
+        JobWishes.__init__(self, self._parts, self._views)
         ServiceItems.__init__(self, self._parts)
         History.__init__(self, store)
 
@@ -60,11 +60,11 @@ class Farm(PrinterWishes, JobWishes, ServiceItems, History):
 
     def view(self) -> FarmView:
         """The farm at this moment."""
-        return self._picture.view()
+        return self._views.view()
 
     def printer(self, id: str) -> PrinterView:
         """A printer at this moment. Raises WebError."""
-        return self._picture.printer(self._parts.printer(id))
+        return self._views.printer(self._parts.printer(id))
 
     def listen(self, changed: Callable[[], None]) -> Callable[[], None]:
         """Calls `changed` after each change of the view; returns a function that ends this."""

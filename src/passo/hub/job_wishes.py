@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 from passo.errors import HubError, WebError
 from passo.hub.parts import Parts
-from passo.hub.picture import FarmPicture
 from passo.hub.printer_wishes import given
 from passo.hub.records import JobRow
+from passo.hub.view_maker import ViewMaker
 from passo.hub.views import FileView, JobView
 from passo.hub.wishes import JobChange, NewJob
 
@@ -16,8 +16,8 @@ from passo.hub.wishes import JobChange, NewJob
 class JobWishes:
     """The files and the jobs."""
 
-    def __init__(self, parts: Parts, picture: FarmPicture) -> None:
-        self._parts, self._picture, self._store = parts, picture, parts.store
+    def __init__(self, parts: Parts, views: ViewMaker) -> None:
+        self._parts, self._views, self._store = parts, views, parts.store
 
     def files(self) -> Sequence[FileView]:
         """All files, newest first."""
@@ -105,4 +105,4 @@ class JobWishes:
         return self._store.files[sha256]
 
     def _view(self, row: JobRow) -> JobView:
-        return self._picture.jobs([row])[0]
+        return self._views.jobs([row])[0]

@@ -13,10 +13,10 @@ from passo.errors import HubError, WebError
 from passo.hub.contact import last_number
 from passo.hub.link import PrinterRecord, Refused, Unreachable
 from passo.hub.parts import Parts
-from passo.hub.picture import FarmPicture
 from passo.hub.records import GroupRow, PrinterRow
 from passo.hub.run_book import Figures
 from passo.hub.run_state import RunState
+from passo.hub.view_maker import ViewMaker
 from passo.hub.views import PowerGroup, PrinterView
 from passo.hub.wishes import PrinterChange, Stopped
 
@@ -36,8 +36,8 @@ def given(change: Struct) -> dict[str, Any]:
 class PrinterWishes:
     """The printers and their power groups."""
 
-    def __init__(self, parts: Parts, picture: FarmPicture) -> None:
-        self._parts, self._picture, self._store = parts, picture, parts.store
+    def __init__(self, parts: Parts, views: ViewMaker) -> None:
+        self._parts, self._views, self._store = parts, views, parts.store
 
     async def add_printer(
         self, record: PrinterRecord, tags: Sequence[str], user: str
@@ -58,7 +58,7 @@ class PrinterWishes:
         with self._store.change(user, f"{row.name} is added", printer=row.id) as change:
             change.add(row)
         self._parts.begin(row)
-        return self._picture.printer(row)
+        return self._views.printer(row)
 
     async def change_printer(self, printer: str, change: PrinterChange, user: str) -> PrinterView:
         """Changes what the hub knows of a printer. Raises WebError and HubError."""
@@ -70,13 +70,13 @@ class PrinterWishes:
         if group and heating_w > self._store.groups[group].limit_w:
             self._too_much(row, heating_w, self._store.groups[group].limit_w)
         if not fields:
-            return self._picture.printer(row)
+            return self._views.printer(row)
         what = f"{row.name}: {', '.join(sorted(fields))} changed"
         with self._store.change(user, what, printer=printer) as written:
             row = written.set(row, **fields)
         if "url" in fields:
             await self._parts.begin_again(row)
-        return self._picture.printer(row)
+        return self._views.printer(row)
 
     async def remove_printer(self, printer: str, user: str) -> None:
         """Removes a printer. Raises HubError if it has a run."""
@@ -111,7 +111,7 @@ class PrinterWishes:
                 cleared_s=self._parts.wall_s(),
                 cleared_by=user,
             )
-        return self._picture.printer(row)
+        return self._views.printer(row)
 
     async def attend(self, printer: str, started: bool | None, user: str) -> PrinterView:
         """The attention is dealt with; `started` says whether a run of which nobody knows that has
@@ -139,7 +139,7 @@ class PrinterWishes:
         with self._store.change(user, what if row.attention else "", printer=printer) as change:
             row = change.set(row, attention="")
         task.wake()
-        return self._picture.printer(row)
+        return self._views.printer(row)
 
     async def pause(self, printer: str, user: str) -> None:
         """Pauses the print. Raises HubError."""

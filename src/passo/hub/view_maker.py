@@ -12,7 +12,7 @@ from passo.hub.service import due_items
 from passo.hub.views import Farm, JobView, PowerGroup, PrinterView
 
 
-class FarmPicture:
+class ViewMaker:
     """Makes the view. It stays until something changes."""
 
     def __init__(self, parts: Parts) -> None:
