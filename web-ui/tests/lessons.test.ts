@@ -8,6 +8,7 @@ import { PYTHON } from "./served";
 interface Told {
   name: string;
   title: string;
+  chapter: string;
   questions: { answer: number; why: string; mistakes: { value: number; hint: string }[]; options: { value: number; text: string }[] }[];
   experiment: { parameters: { label: string; choices: object[]; low: number; high: number }[] };
 }
@@ -22,52 +23,56 @@ const open = async (page: Page, hash: string, title: string) => {
 /** As it reads, without the marks of code. */
 const plain = (text: string) => text.replaceAll("`", "");
 
-test("in every lesson a mistake has its hint, and the right answer is told why", async ({ page }) => {
-  for (const lesson of lessons) {
-    await open(page, `#/learn/lessons/${lesson.name}`, lesson.title);
-    for (const [index, question] of lesson.questions.entries()) {
-      const form = page.locator("form.question").nth(index);
-      const give = async (value: number) => {
-        const option = question.options.find((one) => one.value === value);
-        if (option) await form.getByLabel(plain(option.text), { exact: true }).check();
-        else await form.getByRole("textbox", { name: "Answer" }).fill(String(value));
-        await form.getByRole("button", { name: "Check" }).click();
-      };
-      for (const { value, hint } of question.mistakes) {
-        await give(value);
-        await form.locator(".wrong .text", { hasText: plain(hint) }).waitFor();
-      }
-      await give(question.answer);
-      await form.locator(".good .text", { hasText: plain(question.why) }).waitFor();
-    }
-    await expectAccessible(page);
-  }
-  await open(page, "#/learn", "Learn");
-  const { length } = lessons;
-  await expect.poll(() => page.locator("li.done").count()).toBe(length);
-  await picture(page, "course-1280-light");
-  await page.reload();
-  await expect.poll(() => page.locator("li.done").count()).toBe(length);
-});
+const CHAPTERS = [...new Set(lessons.map(({ chapter }) => chapter))];
 
-test("every lesson fits a phone, and its experiment is used by the keyboard", async ({ page }) => {
-  await page.setViewportSize({ width: 360, height: 800 });
-  await page.emulateMedia({ colorScheme: "dark" });
-  for (const lesson of lessons) {
-    await open(page, `#/learn/lessons/${lesson.name}`, lesson.title);
-    const parameter = lesson.experiment.parameters.find(({ choices }) => !choices.length);
-    if (parameter) {
-      const slider = page.getByRole("slider", { name: parameter.label, exact: true });
-      const before = await slider.inputValue();
-      await slider.press(Number(before) < parameter.high ? "ArrowRight" : "ArrowLeft");
-      expect(await slider.inputValue()).not.toBe(before);
-      await expect.poll(() => page.url()).toContain("?");
+/** Gives each wrong answer of a usual mistake, then the right one. */
+async function answerAll(page: Page, lesson: Told): Promise<void> {
+  for (const [index, question] of lesson.questions.entries()) {
+    const form = page.locator("form.question").nth(index);
+    const give = async (value: number) => {
+      const option = question.options.find((one) => one.value === value);
+      if (option) await form.getByLabel(plain(option.text), { exact: true }).check();
+      else await form.getByRole("textbox", { name: "Answer" }).fill(String(value));
+      await form.getByRole("button", { name: "Check" }).click();
+    };
+    for (const { value, hint } of question.mistakes) {
+      await give(value);
+      await form.locator(".wrong .text", { hasText: plain(hint) }).waitFor();
     }
-    await expectFits(page);
-    await expectAccessible(page);
-    await picture(page, `lesson-${lesson.name}-360-dark`);
+    await give(question.answer);
+    await form.locator(".good .text", { hasText: plain(question.why) }).waitFor();
   }
-});
+}
+
+/** Changes the first slider of the experiment by a key; the address carries its value then. */
+async function useSlider(page: Page, lesson: Told): Promise<void> {
+  const parameter = lesson.experiment.parameters.find(({ choices }) => !choices.length);
+  if (!parameter) return;
+  const slider = page.getByRole("slider", { name: parameter.label, exact: true });
+  const before = await slider.inputValue();
+  await slider.press(Number(before) < parameter.high ? "ArrowRight" : "ArrowLeft");
+  expect(await slider.inputValue()).not.toBe(before);
+  await expect.poll(() => page.url()).toContain("?");
+}
+
+for (const chapter of CHAPTERS) {
+  const own = lessons.filter((lesson) => lesson.chapter === chapter);
+  test(`${chapter}: mistakes have hints, answers are checked, the experiment is used by keys`, async ({ page }) => {
+    await page.setViewportSize({ width: 360, height: 800 });
+    await page.emulateMedia({ colorScheme: "dark" });
+    for (const lesson of own) {
+      await open(page, `#/learn/lessons/${lesson.name}`, lesson.title);
+      await answerAll(page, lesson);
+      await useSlider(page, lesson);
+      await expectFits(page);
+      await expectAccessible(page);
+      await picture(page, `lesson-${lesson.name}-360-dark`);
+    }
+    await page.reload();
+    await open(page, "#/learn", "Learn");
+    await expect.poll(() => page.locator("li.done").count()).toBe(own.length);
+  });
+}
 
 test("a link carries the values of an experiment, and a slider answers within 100 ms", async ({ page }) => {
   await open(page, "#/learn/lessons/trapezoid-and-triangle?length_mm=4", "Trapezoid and triangle");
@@ -76,6 +81,7 @@ test("a link carries the values of an experiment, and a slider answers within 10
   await page.getByRole("slider", { name: "Length" }).fill("120");
   await expect.poll(shape).toBe("trapezoid");
   await expect.poll(() => page.url()).toContain("?length_mm=120");
+  await expectAccessible(page);
   await picture(page, "lesson-1280-light");
   const taken = await page.evaluate(async () => {
     const times: number[] = [];
