@@ -131,6 +131,28 @@ def test_a_resumed_print_stays_the_same_run(places):
     assert live(main, places) == ["failed", "printing", "done", RUN]
 
 
+def test_a_print_resumed_after_a_kill_is_the_same_run(places):
+    words = [sys.executable, "-c", KILLED, "in the print", places["card"], places["state"], RUN]
+    assert subprocess.run(words, capture_output=True).returncode == -signal.SIGKILL
+
+    async def main(printer, jobs):
+        found = [jobs.runs.find(RUN), jobs.start("/part.gcode", run=RUN), printer.status.last_print]
+        await printer.send("M1000")
+        while not jobs.runner.engaged:
+            await asyncio.sleep(1)
+        found.append(printer.status.job.run)
+        await over(jobs)
+        return [*found, jobs.runs.find(RUN).state, printer.status.last_print]
+
+    before, known, last, run, state, end = live(main, places)
+    cut = "Passo ended during the print"
+    assert (before.state, before.reason, known) == ("failed", cut, True)
+    assert (last.run, last.result, last.reason) == (RUN, "failed", cut)
+    assert (run, state) == (RUN, "done")
+    assert (end.run, end.result) == (RUN, "done")
+    assert end.number > last.number
+
+
 def test_a_run_that_cannot_be_stored_does_not_start(places, monkeypatch):
     def full(path, content):
         raise OSError(28, os.strerror(28), str(path))

@@ -90,8 +90,12 @@ def test_news_come_at_once_and_progress_every_two_seconds():
         bridge.show(replace(STATUS, last_print=LAST))  # at 4.2 s
         await asyncio.sleep(0.1)
         bridge.show(replace(STATUS, last_print=LAST, time_s=99.0, fans={"part": 1.0}))
-        warmer = {name: replace(h, celsius=h.celsius + 0.2) for name, h in STATUS.heaters.items()}
-        bridge.show(replace(STATUS, last_print=LAST, heaters=warmer))
+        for noise_c in (0.6, -0.4, 0.7, -0.7):  # of sensors between two degrees
+            await asyncio.sleep(10)
+            heaters = {
+                n: replace(h, celsius=h.celsius + noise_c) for n, h in STATUS.heaters.items()
+            }
+            bridge.show(replace(STATUS, last_print=LAST, heaters=heaters))
         await asyncio.sleep(600)
         await watching.leave()
         assert bridge.listeners == []

@@ -48,7 +48,7 @@ RuntimeDirectoryMode=0755
 RuntimeDirectoryPreserve=yes
 # All printers together: `systemctl status passo.slice`.
 Slice=passo.slice
-# One printer needs 70 MB, and some 200 MB more while it plans a large file.
+# One printer needs 70 MB, and 60 MB more while it plans a file.
 MemoryMax=500M
 # A printer goes before other work, and is the last that the kernel ends if memory is short.
 CPUWeight=500

@@ -47,7 +47,7 @@ class Site:
     """Answers to lines of `rr_gcode`, until `rr_reply` takes them."""
     octoprint_sessions: LoginSessions = field(default_factory=LoginSessions)
 
-    def summary(self) -> Summary:
-        """The summary of the printer now. Never waits."""
+    def summary(self, before: Summary | None = None) -> Summary:
+        """The summary of the printer now; see `summary_of`. Never waits."""
         bridge = self.bridge
-        return summary_of(self.printer_id, bridge.machine.name, bridge.latest().status)
+        return summary_of(self.printer_id, bridge.machine.name, bridge.latest().status, before)

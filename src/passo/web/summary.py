@@ -22,6 +22,8 @@ _STATES: dict[PrinterState, SummaryState] = {
     PrinterState.HALTED: "halted",
 }
 
+_MOVED_C = 0.8  # more than the noise of a sensor between two whole degrees
+
 
 class SummaryJob(Struct, frozen=True):
     """The running print. `run` is the run id that came with its start, or empty. `fraction` is 0 to
@@ -59,14 +61,13 @@ class Summary(Struct, frozen=True):
     fault: FaultStatus | None = None
 
 
-def summary_of(id: str, name: str, status: Status) -> Summary:
-    """The summary of the printer `name` with this status."""
+def summary_of(id: str, name: str, status: Status, before: Summary | None = None) -> Summary:
+    """The summary of the printer `name` with this status. `before` is the last one that was sent: a
+    temperature stays the same until it has moved by `_MOVED_C`."""
+    known = before.heaters if before is not None else ()
+    shown = {heater.name: heater.celsius for heater in known}
     heaters = tuple(
-        SummaryHeater(
-            heater,
-            None if values.current_c is None else round(values.current_c),
-            round(values.target_c),
-        )
+        SummaryHeater(heater, _whole(values.current_c, shown.get(heater)), round(values.target_c))
         for heater, values in status.heaters.items()
     )
     return Summary(
@@ -90,6 +91,12 @@ def is_news(before: Summary, now: Summary) -> bool:
 def _news(one: Summary) -> tuple[object, ...]:
     job = None if one.job is None else (one.job.file, one.job.run)
     return one.state, job, one.fault, one.last_print
+
+
+def _whole(celsius: float | None, shown: int | None) -> int | None:
+    if celsius is None:
+        return None
+    return shown if shown is not None and abs(celsius - shown) < _MOVED_C else round(celsius)
 
 
 def _job(job: JobStatus) -> SummaryJob:

@@ -76,7 +76,7 @@ class SummaryFeed:
         await self._send(sent)
         next_s = loop.time() + EVERY_S
         while self._site.access.holds(self._caller):
-            now = self._site.summary()
+            now = self._site.summary(sent)
             if now != sent and (is_news(sent, now) or loop.time() >= next_s):
                 sent, next_s = now, loop.time() + EVERY_S
                 await self._send(sent)
