@@ -43,7 +43,7 @@ export async function fake(page: Page, printers: PrinterView[], jobs: JobView[] 
     files,
     "printers/proposed": [{ id: "new", name: "Mercury", url: "http://10.0.0.99:4000" }],
     runs: printers.slice(0, 20).map((one, number) => ({ id: `r${number}`, job: "j0", file: "0", name: FILES[number % 4], printer: one.id, state: ["done", "done", "failed", "cancelled", "printing"][number % 5], attempt: 1 + Number(number === 2), assigned_s: NOW_S - 9000 * number, started_s: NOW_S - 9000 * number, ended_s: null, filament_mm: 5200, printed_s: 5400, reason: number % 5 === 2 ? "The filament ran out at line 20418" : "" })),
-    statistics: { done: 812, failed: 21, cancelled: 9, printed_s: 9.2e6, filament_mm: 1.1e7, printers: printers.slice(0, 12).map((one, number) => ({ printer: one.id, done: 60 + number, failed: number % 4, cancelled: 1, printed_s: 90_000 * (number + 2), filament_mm: 9e5 })) },
+    statistics: { done: 812, failed: 21, cancelled: 9, printed_s: 9.2e6, filament_mm: 1.1e7, printers: printers.slice(0, 12).map((one, number) => ({ printer: one.id, done: 60 + number, failed: number % 4, cancelled: 1, printed_s: 90_000 * (number + 2), filament_mm: 9e5 })), materials: ["PLA", "PETG"].map((name, number) => ({ name, done: 400, failed: 10 * number, cancelled: 4, printed_s: 4e6, filament_mm: 5e6 })), users: [{ name: "anna", done: 812, failed: 21, cancelled: 9, printed_s: 9.2e6, filament_mm: 1.1e7 }] },
     events: printers.slice(0, 12).map((one, number) => ({ number, time_s: NOW_S - 300 * number, who: number % 3 ? "hub" : "anna", what: number % 3 ? `gear-24t.gcode starts on ${one.name}` : `The bed of ${one.name} is clear`, printer: one.id, job: "", run: "" })),
   };
   await page.route(`${FARM}**`, async (route) => {

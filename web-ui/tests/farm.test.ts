@@ -121,6 +121,19 @@ test("STOP acts at its second press, for one printer and for all", async ({ open
   await expect.poll(() => farm.asked).toEqual(["POST printers/p0/stop", "POST stop"]);
 });
 
+test("beds are cleared after a question, one and several", async ({ open }) => {
+  const { page, farm } = await open(24);
+  await page.getByRole("button", { name: "The bed is clear: Fermi", exact: true }).click();
+  await page.getByRole("button", { name: "Back" }).click();
+  expect(farm.asked).toEqual([]);
+  for (const name of ["Fermi", "Fermi 2", "Ada"]) await page.getByRole("checkbox", { name: `Select ${name}`, exact: true }).check();
+  await page.getByRole("button", { name: "The beds are clear (2)" }).click();
+  await expectAccessible(page);
+  await page.getByRole("button", { name: "All 2 beds are clear" }).click();
+  await expect.poll(() => farm.asked).toEqual([5, 17].map((number) => `POST printers/p${number}/clear {"bed_clear":true}`));
+  await page.getByText("Selected: 1").waitFor();
+});
+
 test("a hub that is lost is named, and comes back by itself", async ({ open }) => {
   const { page, farm } = await open(12);
   await farm.feed()?.close();

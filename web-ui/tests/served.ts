@@ -1,4 +1,5 @@
-/** `passo serve` with a machine file of a simulated printer and the example on its card, in scaled time. */
+/** `passo serve` with a machine file of a simulated printer and the example on its card, in scaled time; and
+ * `passo hub`. */
 
 import { spawn, type ChildProcess } from "node:child_process";
 import { chmodSync, cpSync, mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
@@ -9,6 +10,32 @@ import { createInterface } from "node:readline";
 export const PYTHON = process.env["PASSO_PYTHON"] ?? "../.venv/bin/python";
 const EXAMPLE = process.env["PASSO_EXAMPLE"] ?? "../build/demo.gcode";
 const MACHINES = "../src/passo/config/machines";
+
+/** A command of Passo that serves a page. */
+class Command {
+  #child: ChildProcess | undefined;
+
+  /** Starts it, and returns the address of its page. */
+  async start(words: string[], path = process.env["PATH"]): Promise<string> {
+    const child = spawn(PYTHON, ["-m", "passo", ...words], { stdio: ["ignore", "ignore", "pipe"], env: { ...process.env, PATH: path } });
+    this.#child = child;
+    const said: string[] = [];
+    for await (const line of createInterface({ input: child.stderr })) {
+      said.push(line);
+      const found = /http:\/\/[\d.]+:\d+/.exec(line);
+      if (found) return `${found[0]}/`;
+    }
+    throw new Error(`passo ${words[0]} has ended:\n${said.join("\n")}`);
+  }
+
+  async end(): Promise<void> {
+    const child = this.#child;
+    if (!child || child.exitCode !== null) return;
+    const exit = new Promise((resolve) => child.once("exit", resolve));
+    child.kill("SIGTERM");
+    await exit;
+  }
+}
 
 export interface ServedOptions {
   /** A machine of the library. */
@@ -25,7 +52,7 @@ export interface ServedOptions {
 
 export class Served {
   url = "";
-  #process: ChildProcess | undefined;
+  #command = new Command();
   #folder = mkdtempSync(join(tmpdir(), "passo-page-"));
   #machine: string;
   #card = join(this.#folder, "card");
@@ -51,33 +78,31 @@ export class Served {
   async start(): Promise<void> {
     const place = this.url ? new URL(this.url).host : "127.0.0.1:0";
     const options = ["--machine", this.#machine, "--clock", `${this.#clock}`, "--sd", this.#card, "--tcp", "127.0.0.1:0", ...this.#state];
-    const child = spawn(PYTHON, ["-m", "passo", "serve", ...options, "--http", place], {
-      stdio: ["ignore", "ignore", "pipe"],
-      env: { ...process.env, PATH: `${this.#programs}:${process.env["PATH"]}` },
-    });
-    this.#process = child;
-    const said: string[] = [];
-    for await (const line of createInterface({ input: child.stderr })) {
-      said.push(line);
-      const found = /http:\/\/[\d.]+:\d+/.exec(line);
-      if (found) {
-        this.url = `${found[0]}/`;
-        return;
-      }
-    }
-    throw new Error(`passo serve has ended:\n${said.join("\n")}`);
+    this.url = await this.#command.start(["serve", ...options, "--http", place], `${this.#programs}:${process.env["PATH"]}`);
   }
 
-  async stop(): Promise<void> {
-    const child = this.#process;
-    if (!child || child.exitCode !== null) return;
-    const ended = new Promise((resolve) => child.once("exit", resolve));
-    child.kill("SIGTERM");
-    await ended;
+  stop(): Promise<void> {
+    return this.#command.end();
   }
 
   async remove(): Promise<void> {
     await this.stop();
+    rmSync(this.#folder, { recursive: true });
+  }
+}
+
+/** A farm without printers. */
+export class ServedHub {
+  url = "";
+  #command = new Command();
+  #folder = mkdtempSync(join(tmpdir(), "passo-hub-"));
+
+  async start(): Promise<void> {
+    this.url = await this.#command.start(["hub", "--state", this.#folder, "--http", "127.0.0.1:0"]);
+  }
+
+  async remove(): Promise<void> {
+    await this.#command.end();
     rmSync(this.#folder, { recursive: true });
   }
 }

@@ -1,8 +1,11 @@
 /** How fast the page is: tools/build_page.py --test speed. Prints when a large file is seen and drawn as
- * a whole, by a renderer without a graphics card, and when the page is painted. */
+ * a whole, by a renderer without a graphics card, when the page is painted, and when a farm of 200 printers
+ * is. */
 
 import { expect } from "vitest";
 import { visit } from "./browser";
+import { fake, FARM } from "./farm-fake";
+import { printer } from "./farm-printers";
 import { testOf } from "./fixtures";
 
 const BYTES = 35e6;
@@ -62,4 +65,35 @@ test("first picture and first paint", async ({ browser, served }) => {
       }),
   );
   console.log(`first contentful paint: ${painted.toFixed(0)} ms`);
+});
+
+test("first picture of a farm of 200 printers, and its changes", async ({ browser }) => {
+  const COUNT = 200;
+  const page = await browser.newPage({ viewport: { width: 1440, height: 900 } });
+  const printers = Array.from({ length: COUNT }, (_, number) => printer(number));
+  const { feed } = await fake(page, printers);
+  await page.addInitScript((count) => {
+    const times = ((globalThis as unknown as { drawn: number[] }).drawn = [] as number[]);
+    new MutationObserver(() => {
+      if (!times.length && document.querySelectorAll("[data-printer]").length === count) requestAnimationFrame(() => times.push(performance.now()));
+    }).observe(document, { subtree: true, childList: true });
+  }, COUNT);
+  await page.goto(FARM);
+  const drawn = () => page.evaluate(() => (globalThis as unknown as { drawn: number[] }).drawn[0] ?? 0);
+  await expect.poll(drawn).toBeGreaterThan(0);
+  console.log(`first picture of ${COUNT} printers: ${(await drawn()).toFixed(0)} ms`);
+
+  // Each printer has other temperatures: the processor time of the page for that.
+  const client = await page.context().newCDPSession(page);
+  await client.send("Performance.enable");
+  const busy_s = async () => (await client.send("Performance.getMetrics")).metrics.find(({ name }) => name === "TaskDuration")?.value ?? 0;
+  const before = await busy_s();
+  const ROUNDS = 10;
+  for (let round = 0; round < ROUNDS; round++) {
+    const changed = printers.map(({ seen, ...one }) => ({ ...one, seen: seen && { ...seen, heaters: seen.heaters.map((heater) => ({ ...heater, celsius: 100 + round })) } }));
+    feed()?.send(JSON.stringify({ type: "changes", printers: changed, jobs: [], groups: null, gone: [], queue_paused: false }));
+    await page.getByText(`${100 + round}°`).first().waitFor({ state: "attached" });
+  }
+  console.log(`a change of all ${COUNT}: ${((1000 * (await busy_s() - before)) / ROUNDS).toFixed(0)} ms of the page`);
+  await page.close();
 });

@@ -1,9 +1,6 @@
-/** The order of jobs, and whether one is over. */
+/** The order of jobs. */
 
 import type { JobView } from "../schema";
-
-/** Nothing of it waits or runs any more. */
-export const isOver = ({ waiting, running }: JobView): boolean => waiting + running === 0;
 
 /** Among jobs of one priority: the one that is due first, then the oldest. */
 function natural(a: JobView, b: JobView): number {

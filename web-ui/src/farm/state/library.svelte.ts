@@ -3,22 +3,16 @@
 import { call, query } from "../../api/client";
 import { uploads } from "../../state/uploads.svelte";
 import { attempt } from "../../state/notices.svelte";
-import type { FileView } from "../schema";
+import type { FileView, PrinterFit } from "../schema";
 
-/** Whether a printer can print a file, why not, and how long it takes. */
-export interface Fit {
-  printer: string;
-  fits: boolean;
-  why: string;
-  print_s?: number | null;
-}
+const AGAIN_MS = 1000; // while the file is planned for some printers
 
 class Library {
   /** Newest first. */
   files = $state.raw<FileView[]>([]);
   loaded = $state(false);
   /** By SHA-256. */
-  fits = $state<Record<string, Fit[]>>({});
+  fits = $state<Record<string, PrinterFit[]>>({});
 
   async load(): Promise<void> {
     this.files = await call<FileView[]>("GET", "files");
@@ -29,9 +23,14 @@ class Library {
     return this.files.find((file) => file.sha256 === sha256);
   }
 
-  /** Finds out which printers a file fits. */
-  async learn(sha256: string): Promise<void> {
-    this.fits[sha256] = await call<Fit[]>("GET", `files/${sha256}/fit`);
+  /** Finds out which printers a file fits, until all is known or no longer wanted. */
+  async learn(sha256: string, wanted: () => boolean): Promise<void> {
+    while (wanted()) {
+      const found = await call<PrinterFit[]>("GET", `files/${sha256}/fit`);
+      this.fits[sha256] = found;
+      if (found.every(({ fits }) => fits != null)) return;
+      await new Promise((resolve) => setTimeout(resolve, AGAIN_MS));
+    }
   }
 
   /** `arrived` gets the SHA-256 of the file. */

@@ -30,7 +30,7 @@ export function stateLine(printer: PrinterView): StateLine {
   const ended = last ? t("farm.last", { result: t(keyOf(`job.${last.result}`) ?? "job.failed").toLowerCase() }) : "";
   switch (phase) {
     case "clear":
-      return { file: last ? nameOf(last.file) : "", idle: t("phase.clear"), left: "", note: [ended, t("clear.needed")].filter(Boolean).join(" ") };
+      return { file: last ? nameOf(last.file) : "", idle: t("clear.title"), left: "", note: last ? `${ended} ${t("clear.needed")}` : "" };
     case "ready":
       return { file: "", idle: t("farm.ready"), left: "", note: cleared(printer) };
     case "preparing":
