@@ -27,11 +27,16 @@ _WIRES = {
 _SAY = {True: Text("triggered", "attivo"), False: Text("open", "libero")}
 
 
+def _touches(contact: str, *, pressed: bool) -> bool:
+    """Whether the contact itself is closed."""
+    return pressed == (contact == "NO")
+
+
 def _closed(contact: str, wire: str, *, pressed: bool) -> bool:
     """Whether pin and ground are connected."""
     if wire != "intact":
         return wire == "short"
-    return pressed == (contact == "NO")
+    return _touches(contact, pressed=pressed)
 
 
 def _end(contact: str, wire: str, *, inverted: bool) -> float:
@@ -91,7 +96,7 @@ def _compute(
                 values=(0.0, _SUPPLY_V),
             )
         ],
-        planes=[_circuit(wire, contact, pull_up_ohm, closed=closed)],
+        planes=[_circuit(wire, contact, pull_up_ohm, pressed=bool(pressed))],
         tables=[_table()],
     )
 
@@ -104,8 +109,9 @@ def _level(contact: str, wire: str, *, pressed: bool) -> float:
     return _volt(_closed(contact, wire, pressed=pressed))
 
 
-def _circuit(wire: str, contact: str, pull_up_ohm: float, *, closed: bool) -> Plane:
-    tip = (0.0, 1.2) if closed else (0.35, 1.15)
+def _circuit(wire: str, contact: str, pull_up_ohm: float, *, pressed: bool) -> Plane:
+    volt = _level(contact, wire, pressed=pressed)
+    tip = (0.0, 1.2) if _touches(contact, pressed=pressed) else (0.35, 1.15)
     lines = [
         Line("", [0, 0, -0.2, -0.2, 0.2, 0.2, 0, 0], [2, 2.4, 2.4, 3.4, 3.4, 2.4, 2.4, 2]),
         Line("", [0, 0], [3.4, 4]),
@@ -127,7 +133,7 @@ def _circuit(wire: str, contact: str, pull_up_ohm: float, *, closed: bool) -> Pl
         [
             Mark(0, 4, f"{_SUPPLY_V:g} V", 4, beside="above"),
             Mark(0.2, 2.9, f"{pull_up_ohm:.0f} Ω", dot=False),
-            Mark(1.6, 2, f"pin: {_volt(closed):g} V", 1),
+            Mark(1.6, 2, f"pin: {volt:g} V", 1),
             Mark(0.35, 0.8, contact, 2, dot=False),
             Mark(0, 0, Text("ground", "massa"), dot=False, beside="below"),
         ],

@@ -396,10 +396,10 @@ LESSON = Lesson(
     source=Source("firmware/core/scheduler.c", "timers_run"),
     printer=OwnPrinter(
         Text(
-            "M122 reports late commands and the state of the link. Load your computer during a"
-            " simulated print and see how far the queue falls.",
-            "M122 riporta i comandi in ritardo e lo stato del collegamento. Carica il computer"
-            " durante una stampa simulata e guarda quanto scende la coda.",
+            "M122 reports late commands. Load your computer during a simulated print, and see"
+            " whether any command is late.",
+            "M122 riporta i comandi in ritardo. Carica il computer durante una stampa simulata, e"
+            " guarda se qualche comando è in ritardo.",
         ),
         command="M122",
     ),

@@ -102,7 +102,13 @@ def _compute(claim: str, length_mm: float, celsius: float) -> Outcome:
         )
     return Outcome(
         numbers=[
-            Number("claimed", Text("The text says", "Il testo dice"), claimed, one.unit, 4),
+            Number(
+                "claimed",
+                Text("The text says", "Il testo dice"),
+                claimed,
+                one.unit,
+                1 if claimed >= 1 else 4,
+            ),
             Number("right", Text("Right is", "Giusto è"), right, one.unit, decimals=1),
             Number(
                 "factor",
