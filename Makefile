@@ -95,6 +95,7 @@ bench: .venv/.built .venv/.dev
 	$(BIN)/python bench/web.py
 	$(BIN)/python bench/heat.py
 	$(BIN)/python bench/hub.py
+	$(BIN)/python bench/idle.py
 
 soak: .venv/.built
 	$(BIN)/python bench/soak.py
