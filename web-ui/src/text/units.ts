@@ -28,11 +28,13 @@ export function duration(seconds: number | null | undefined): string {
   return `${Math.floor(minutes / 60)} h ${String(minutes % 60).padStart(2, "0")} min`;
 }
 
+// One for all: to make one takes long.
+const TIME = new Intl.DateTimeFormat(undefined, { hour: "2-digit", minute: "2-digit" });
+const DAY_AND_TIME = new Intl.DateTimeFormat(undefined, { hour: "2-digit", minute: "2-digit", weekday: "short" });
+
 /** A time of day, with the weekday if it is not today. */
 export function clockTime(at: Date, now: Date): string {
-  const options: Intl.DateTimeFormatOptions = { hour: "2-digit", minute: "2-digit" };
-  if (at.toDateString() !== now.toDateString()) options.weekday = "short";
-  return at.toLocaleTimeString(undefined, options);
+  return (at.toDateString() === now.toDateString() ? TIME : DAY_AND_TIME).format(at);
 }
 
 /** A time of day of seconds since 1970, with the day if it is not today. */

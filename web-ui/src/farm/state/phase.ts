@@ -67,7 +67,9 @@ export interface Wanted {
   order: Order;
 }
 
-const byName = (a: PrinterView, b: PrinterView) => a.name.localeCompare(b.name, undefined, { numeric: true });
+const names = new Intl.Collator(undefined, { numeric: true }); // one for all: to make one takes long
+/** By name: `P9` comes before `P10`. */
+export const byName = (a: { name: string }, b: { name: string }) => names.compare(a.name, b.name);
 
 /** The printers that are wanted, in the wanted order. */
 export function chosen(printers: Iterable<PrinterView>, { group, tag, text, order }: Wanted): PrinterView[] {
