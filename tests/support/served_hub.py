@@ -86,12 +86,10 @@ class ServedHub:
         return str(self.ask("POST", "/jobs", {"file": file["sha256"], **fields})["id"])
 
     def clear_beds(self) -> None:
-        """A user clears each printer that has ended its print, and deals with what needs it."""
+        """A user clears each printer that has ended its print, except those that need attention."""
         for printer in self.printers().values():
-            if printer["condition"] != "idle" or printer["run"]:
+            if printer["condition"] != "idle" or printer["run"] or printer["attention"]:
                 continue
-            if printer["attention"]:
-                self.ask("POST", f"/printers/{printer['id']}/attend", {})
             if not printer["bed_clear"]:
                 self.ask("POST", f"/printers/{printer['id']}/clear", {"bed_clear": True})
 
