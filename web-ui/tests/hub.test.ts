@@ -118,6 +118,7 @@ test("an account that is limited to a tag sees its printers alone", async ({ pag
   await accounts.getByText("right", { exact: true }).waitFor();
   await expectAccessible(page);
   await page.getByRole("button", { name: "Log out ada" }).click();
+  await page.getByRole("heading", { name: "Log in" }).waitFor();
   await page.getByLabel("Name").fill("bob");
   await page.getByLabel("Password").fill("another long password");
   await page.getByLabel("Password").press("Enter");
