@@ -14,7 +14,9 @@ from passo.printer.status import FaultStatus, HeaterStatus, JobStatus, LastPrint
 from passo.version import __version__
 
 URL = "/api/v1/summary"
-JOB = JobStatus("a.gcode", 0.12345, 7, 3, None, 60.4, None, filament_mm=12.6, run="r")
+JOB = JobStatus(
+    "a.gcode", 0.12345, 7, 3, None, 60.4, None, path="/hub/a.gcode", filament_mm=12.6, run="r"
+)
 LAST = LastPrint(3, "b.gcode", "", "failed", "it was hot")
 FAULT = FaultStatus("heat.sensor-open", "heater", "the sensor is open", "Check it")
 
@@ -50,7 +52,7 @@ def test_summary_has_the_printer_at_a_glance():
     found = web.get(URL).json()
     assert found["state"] == "halted"
     assert found["job"] == {
-        "file": "a.gcode",
+        "file": "/hub/a.gcode",
         "run": "r",
         "fraction": 0.123,
         "left_s": 100,

@@ -26,8 +26,9 @@ _MOVED_C = 0.8  # more than the noise of a sensor between two whole degrees
 
 
 class SummaryJob(Struct, frozen=True):
-    """The running print. `run` is the run id that came with its start, or empty. `fraction` is 0 to
-    1 in thousandths; `left_s` and `layers` are None while they are unknown."""
+    """The running print. `file` is its path on the card; `run` is the run id that came with its
+    start, or empty. `fraction` is 0 to 1 in thousandths; `left_s` and `layers` are None while they
+    are unknown."""
 
     file: str
     run: str
@@ -101,7 +102,7 @@ def _whole(celsius: float | None, shown: int | None) -> int | None:
 
 def _job(job: JobStatus) -> SummaryJob:
     return SummaryJob(
-        file=job.file,
+        file=job.path or job.file,
         run=job.run,
         fraction=round(job.fraction, 3),
         left_s=None if job.left_s is None else round(job.left_s),

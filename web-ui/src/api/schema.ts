@@ -1386,8 +1386,9 @@ export interface SummaryHeater {
   target_c: number;
 }
 
-/** The running print. `run` is the run id that came with its start, or empty. `fraction` is 0 to 1
- * in thousandths; `left_s` and `layers` are None while they are unknown. */
+/** The running print. `file` is its path on the card; `run` is the run id that came with its
+ * start, or empty. `fraction` is 0 to 1 in thousandths; `left_s` and `layers` are None while they
+ * are unknown. */
 export interface SummaryJob {
   file: string;
   run: string;

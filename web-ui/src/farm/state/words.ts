@@ -53,4 +53,5 @@ export function cleared(printer: PrinterView): string {
   return printer.cleared_by ? t("clear.by", { name: printer.cleared_by, time }) : t("clear.at", { time });
 }
 
-const nameOf = (path: string) => path.replace(/^.*\//, "");
+/** The name of a file, without its folders. */
+export const nameOf = (path: string) => path.replace(/^.*\//, "");
