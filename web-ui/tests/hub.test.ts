@@ -71,6 +71,7 @@ test("a file is uploaded, prints on all five once their beds are clear, and they
   await dialog.locator("input[type=file]").setInputFiles({ name: "square.gcode", mimeType: "text/x.gcode", buffer: Buffer.from(SQUARE) });
   await dialog.getByText("Beds that are not clear yet: 5.").waitFor();
   await dialog.getByRole("button", { name: "Print on 5" }).click();
+  await dialog.waitFor({ state: "detached" }); // it ends the selection
   for (let number = 1; number <= COUNT; number++) await page.getByRole("checkbox", { name: `Select P${number}` }).check();
   await page.getByRole("button", { name: "The beds are clear (5)" }).click();
   await page.getByRole("button", { name: "All 5 beds are clear" }).click();

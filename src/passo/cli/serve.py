@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from passo.cli.addresses import TCP, add_consoles, add_web, filled
 from passo.cli.clock import factor
+from passo.cli.ending import Ending
 from passo.cli.log_file import LEVELS, LogFile
 from passo.cli.machine_option import add_machine, add_policy, add_skips, skips_of
 from passo.cli.main import endings
@@ -174,7 +175,9 @@ def run(arguments: argparse.Namespace) -> int:
             return ExitStatus.USAGE
     with log or contextlib.nullcontext():
         clock = arguments.clock or "real"
-        while run_live(_serve(arguments, machine, source, orders, log), clock=clock):
+        ending = Ending()
+        serving = partial(_serve, arguments, orders=orders, log=log, ending=ending)
+        while run_live(serving(machine, source), clock=clock) and not ending.asked:
             source = own_or_shipped(arguments.machine, state)
             machine = _with_boards(config.load(source), arguments)
     return ExitStatus.DONE
@@ -209,14 +212,16 @@ async def _serve(
     source: str,
     orders: list[FaultOrder],
     log: LogFile | None,
+    ending: Ending,
 ) -> bool:
     """Serves once. Returns True if the printer must restart with the current machine file."""
     from passo.library.printer import Printer
 
     ours = asyncio.current_task()
     assert ours is not None
+    ending.begin(ours)
     for number in endings():
-        asyncio.get_running_loop().add_signal_handler(number, ours.cancel)
+        asyncio.get_running_loop().add_signal_handler(number, ending.ask)
     skips = skips_of(arguments)
     printer = Printer(
         machine,
@@ -232,6 +237,7 @@ async def _serve(
         restarts=not arguments.stdin,  # with --stdin, the program ends with its console
     )
     advanced_ok: bool = arguments.advanced_ok
+    restart = False
     # An interrupt by Ctrl-C or SIGTERM is the usual end.
     with contextlib.suppress(asyncio.CancelledError):
         async with printer, _logged(printer, log):
@@ -266,8 +272,9 @@ async def _serve(
             where = ", ".join(places) or "no address"
             print(f"Serving {served} on {where}.", file=sys.stderr, flush=True)
             _log.info("Serving %s on %s", served, where)
-            return await printer.serve()
-    return False
+            restart = await printer.serve()
+            ending.close()
+    return restart
 
 
 @contextlib.asynccontextmanager
