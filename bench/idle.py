@@ -1,14 +1,13 @@
-"""What idle printers cost. Usage: bench/idle.py [MACHINE] [--seconds N] [--counts 1,4,16]
-[--python PROGRAM]
+"""What idle printers cost. Usage: bench/idle.py [MACHINE] [--seconds N] [--counts 1,4,16] [--python
+PROGRAM]
 
 Starts 1, 4 and then 16 processes of `passo serve --simulated`, each with its web interface and a
-TCP console that nobody opens, and waits until all listen. Prints for each number the means of one
-printer: CPU from the start until it listens, CPU while idle in percent of one core, wake-ups of
+TCP console that no client opens, and waits until all listen. Prints for each number the means of
+one printer: CPU from the start until it listens, CPU while idle in percent of one core, wake-ups of
 the process per second, and its memory: RSS, PSS (shared pages divided among their users) and
 private. --python measures the passo of another environment. The times are CPU times, which other
 load on the computer changes less than wall times. As in an installation, Python finds its modules
-compiled: a first printer, which is not measured, fills a cache.
-"""
+compiled: a first printer, which is not measured, fills a cache."""
 
 from __future__ import annotations
 

@@ -30,9 +30,10 @@ def left_in(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
-async def upload(web: FarmWeb, content: bytes = PART, name: str = "part.gcode", **headers: str):
-    headers |= {"Content-Type": "application/octet-stream"}
-    return await web.client.post(f"/files?name={name}", content=content, headers=headers)
+async def upload(web: FarmWeb, content: bytes = PART, name: str = "part.gcode", sha256: str = ""):
+    headers = {"Content-Type": "application/octet-stream"}
+    query = f"name={name}&sha256={sha256}"
+    return await web.client.post(f"/files?{query}", content=content, headers=headers)
 
 
 def test_names_and_paths_of_the_hub_are_declared_once():
@@ -177,7 +178,7 @@ def test_found_printer_is_only_proposed(tmp_path):
 
 def test_upload_is_named_by_its_content(tmp_path):
     async def test(web: FarmWeb):
-        file = (await upload(web, **{"X-Passo-SHA256": SHA256})).json()
+        file = (await upload(web, sha256=SHA256)).json()
         assert (file["sha256"], file["size"], file["name"]) == (SHA256, len(PART), "part.gcode")
         assert file["materials"] == ["PLA", "PETG"]
         assert left_in(tmp_path / "files") == [f"{SHA256}.gcode"]
@@ -191,17 +192,17 @@ def test_upload_is_named_by_its_content(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("content", "name", "headers", "code"),
+    ("content", "name", "sha256", "code"),
     [
-        (PART, "part.gcode", {"X-Passo-SHA256": "0" * 64}, "hub.hash"),
-        (b"", "part.gcode", {}, "input.empty"),
-        (b"GCDE....", "part.gcode", {}, "upload.binary"),
-        (PART, "part.stl", {}, "upload.kind"),
+        (PART, "part.gcode", "0" * 64, "upload.checksum"),
+        (b"", "part.gcode", "", "input.empty"),
+        (b"GCDE....", "part.gcode", "", "upload.binary"),
+        (PART, "part.stl", "", "upload.kind"),
     ],
 )
-def test_refused_upload_leaves_nothing(tmp_path, content, name, headers, code):
+def test_refused_upload_leaves_nothing(tmp_path, content, name, sha256, code):
     async def test(web: FarmWeb):
-        answer = await upload(web, content, name, **headers)
+        answer = await upload(web, content, name, sha256)
         assert answer.json()["error"]["code"] == code
         assert (await web.client.get("/files")).json() == []
         assert left_in(tmp_path / "files") == []
@@ -228,11 +229,11 @@ def test_interrupted_upload_is_removed_at_the_next_start(tmp_path):
     async def main():
         contents = Contents(tmp_path)
         with pytest.raises(ConnectionError):
-            await contents.receive(lost(), None, "part.gcode")
+            await contents.receive(lost(), None)
         assert left_in(tmp_path) == []
-        await contents.receive(pieces(PART), None, "part.gcode")
+        await contents.receive(pieces(PART), None)
         with pytest.raises(InputError):
-            await contents.receive(pieces(PART), len(PART) + 1, "part.gcode")
+            await contents.receive(pieces(PART), len(PART) + 1)
         contents.close()
 
     asyncio.run(main())

@@ -37,9 +37,6 @@ HUB: Mapping[str, Entry] = {
         "{value} may not use {axis}",
         "Ask an administrator of the farm to add one of its tags to the account",
     ),
-    "hub.hash": _hub(
-        "the content of {axis} has the SHA-256 {value}, not {limit}", "Send the file again"
-    ),
     "hub.no-space": _hub(
         "{axis} does not fit on the disk of the hub: {limit} bytes are free",
         "Remove files that no job needs, then send it again",

@@ -10,7 +10,7 @@ from uuid import uuid4
 from anyio import CancelScope
 
 from passo.card.folder import FolderCard
-from passo.errors import CardError, HubError, InputError
+from passo.errors import CardError, InputError
 from passo.hub.slicer_facts import SlicerFacts, read_facts
 from passo.web.files.comments import Comments
 from passo.web.files.incoming import Incoming, in_worker_thread
@@ -34,30 +34,27 @@ class Contents:
         return self._folder / _name(sha256)
 
     async def receive(
-        self, pieces: AsyncIterator[bytes], total: int | None, name: str, expected: str = ""
+        self, pieces: AsyncIterator[bytes], total: int | None, expected: str = ""
     ) -> tuple[str, int]:
         """Stores a content of `total` bytes, None if that is unknown; returns its SHA-256 and its
-        size when it is durable. Raises InputError for what is no G-code, CardError `card.full`, and
-        HubError `hub.hash` if it has not the `expected` hash; then nothing remains."""
+        size when it is durable. Raises InputError for content that is not G-code or does not have
+        the `expected` hash, and CardError `card.full`; then nothing remains."""
         path = f"/{uuid4().hex}.gcode"
         incoming = Incoming(self._card, self._card.create(path), path, total)
-        digest = hashlib.sha256()
+        incoming.sha256 = expected
         try:
             await incoming.check_space()
             async for piece in pieces:
-                digest.update(piece)
                 await incoming.write(piece)
             if total is not None and incoming.offset != total:
                 value = f"it has {incoming.offset} of {total} bytes"
                 raise InputError.of("upload.malformed", value=value)
-            sha256 = digest.hexdigest()
-            if expected not in ("", sha256):
-                raise HubError.of("hub.hash", axis=name, value=sha256, limit=expected)
             await incoming.finish()
         except BaseException:
             with CancelScope(shield=True):
                 await incoming.abort()
             raise
+        sha256 = incoming.digest
         await in_worker_thread(lambda: self._name(path, sha256))
         return sha256, incoming.offset
 

@@ -52,8 +52,8 @@ class FarmControl(Protocol):
         ...
 
     async def attend(self, printer: str, started: bool | None, user: str) -> PrinterView:
-        """The attention is dealt with; `started` says whether a run of which nobody knows that has
-        started."""
+        """The attention is dealt with; `started` says whether a run with an
+        unknown start has started."""
         ...
 
     async def pause(self, printer: str, user: str) -> None:

@@ -55,7 +55,7 @@ class Farm(PrinterWishes, JobWishes, ServiceItems, History):
         self._parts.start()
 
     async def close(self) -> None:
-        """Ends all connections. Prints go on."""
+        """Ends all connections. Prints continue."""
         await self._parts.close()
 
     def view(self) -> FarmView:

@@ -89,7 +89,7 @@ class Audience:
 
     def changes(self, farm: Farm) -> tuple[str, bool]:
         """The next message, empty if nothing has changed; and whether all changes are in it. Those
-        that a person waits for come first, and of the others those that are the oldest."""
+        that need a user come first, and of the others those that are the oldest."""
         now = {printer.id: printer for printer in farm.printers}
         jobs = {job.id: job for job in farm.jobs}
         gone = [*(self._printers.keys() - now.keys()), *(self._jobs.keys() - jobs.keys())]

@@ -59,7 +59,7 @@ class HandOver:
         self._unsent = run.id
 
     def unknown(self, run: RunRow) -> bool:
-        """Whether nobody knows if this run has started."""
+        """Whether it is unknown if this run has started."""
         return self._unknown == run.id
 
     async def step(self) -> None:

@@ -114,9 +114,9 @@ class PrinterWishes:
         return self._views.printer(row)
 
     async def attend(self, printer: str, started: bool | None, user: str) -> PrinterView:
-        """The attention is dealt with; `started` says whether a run of which nobody knows that has
-        started. Raises HubError if it must be given. False also gives up the run of a printer that
-        is unreachable: it may never come back."""
+        """The attention is dealt with; `started` says whether a run with an unknown start has
+        started. Raises HubError if it must be given. False also gives up the run of an unreachable
+        printer, which may never come back."""
         row, run = self._parts.printer(printer), self._store.active_run(printer)
         task, book = self._parts.tasks[printer], self._parts.book
         gone = task.contact.condition(asyncio.get_running_loop().time()) == "unreachable"

@@ -33,9 +33,9 @@ class Loaded(Struct, frozen=True):
 
 class PrinterView(Struct, frozen=True):
     """A printer of the farm. `bed_clear`: `cleared_by` has said at `cleared_s` that its bed is
-    empty, and nothing has printed on it since. `attention` is what a person must look at before the
-    next run, or empty. `start_unknown`: nobody knows whether its run has started, and a person has
-    to say. `run` is the id of the hub's run on it, or empty. `last_word_s` is when it was last
+    empty, and nothing has printed on it since. `attention` is what a user must look at before the
+    next run, or empty. `start_unknown`: it is unknown whether its run has started, and a user
+    must answer. `run` is the id of the hub's run on it, or empty. `last_word_s` is when it was last
     heard of, while it is unreachable. `power_group` limits heating printers; `heating_w` is its
     power while it heats. `service`: nothing starts on it. `clears_itself`: its bed counts as clear
     after each print that is done. `printed_s`, `filament_mm` and `prints` are totals of the hub's

@@ -42,7 +42,7 @@ class PrinterChange(Struct, forbid_unknown_fields=True):
 
 class Attended(Struct, forbid_unknown_fields=True):
     """The attention of a printer is dealt with. `started` answers whether the run has started, if
-    nobody knew that."""
+    that was unknown."""
 
     started: bool | None = None
 

@@ -18,6 +18,12 @@ _FASTEST_REST_S = 5e-5
 _ARMED_S = 0.005  # endstops are armed this long before the first step
 
 
+def sampling_s(steps_s: float) -> float:
+    """The interval at which a board samples an endstop while a motor makes `steps_s` steps a
+    second: that of its steps, within bounds."""
+    return min(_REST_S, max(1.0 / steps_s, _FASTEST_REST_S))
+
+
 class Interrupts(Protocol):
     """Requests to end the current wait. `halted` is the reason why the printer is halted, or
     empty."""
@@ -99,7 +105,7 @@ class TriggeredMoves:
         queue.before_moves()
         overshoot = TriggerOvershoot(rig, self.endstops, joints=joints)
         start = queue.base + int(rig.job.clock - _ARMED_S * queue.hz)
-        rest_s = min(_REST_S, max(1.0 / steps_s, _FASTEST_REST_S))
+        rest_s = sampling_s(steps_s)
         stopped, also = ({s.name: s.steppers for s in switches}, {s.name: s.also for s in switches})
         self.endstops.arm(stopped, start, rest_s, opening=opening, also=also)
         move()

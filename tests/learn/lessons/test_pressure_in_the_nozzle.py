@@ -4,17 +4,15 @@ import pytest
 
 from passo.learn.lessons.pressure_in_the_nozzle import EXPERIMENT, LESSON
 
-
-def test_filament_of_the_line():
-    # 0.45 · 0.2 mm² of line, without its round ends, by π/4·1.75² of filament
-    assert EXPERIMENT.run({})["per_mm"] == pytest.approx(0.09 / 2.405, abs=1e-4)
+PER_MM = (0.2 * 0.25 + 0.0314159) / 2.40528  # rectangle and round sides, by the filament
 
 
 def test_advance():
     outcome = EXPERIMENT.run({"advance_s": 0.05})
-    assert outcome["e_mm_s"] == pytest.approx(3.74)
-    assert outcome["extra_mm"] == pytest.approx(0.187)
-    assert outcome["push_mm_s"] == pytest.approx(3.74 + 0.05 * 74.8)
+    assert outcome["per_mm"] == pytest.approx(PER_MM, rel=1e-5)
+    assert outcome["e_mm_s"] == pytest.approx(100 * PER_MM, rel=1e-5)
+    assert outcome["extra_mm"] == pytest.approx(0.05 * 100 * PER_MM, rel=1e-5)
+    assert outcome["push_mm_s"] == pytest.approx((100 + 0.05 * 2000) * PER_MM, rel=1e-5)
 
 
 def test_the_advance_of_the_nozzle_is_the_best():
@@ -24,5 +22,5 @@ def test_the_advance_of_the_nozzle_is_the_best():
 
 
 def test_answers():
-    assert LESSON.asked(0).answer == pytest.approx(0.2244)  # 0.04 · 150 · 0.0374
-    assert LESSON.asked(1).answer == pytest.approx(3.74 + 0.06 * 3000 * 0.0374)
+    assert LESSON.asked(0).answer == pytest.approx(0.04 * 150 * PER_MM, rel=1e-5)
+    assert LESSON.asked(1).answer == pytest.approx((100 + 0.06 * 3000) * PER_MM, rel=1e-5)

@@ -21,7 +21,7 @@ export interface Administrator {
 }
 
 /** The attention of a printer is dealt with. `started` answers whether the run has started, if
- * nobody knew that. */
+ * that was unknown. */
 export interface Attended {
   started?: boolean | null;
 }
@@ -282,13 +282,13 @@ export interface PrinterStatistics {
 }
 
 /** A printer of the farm. `bed_clear`: `cleared_by` has said at `cleared_s` that its bed is empty,
- * and nothing has printed on it since. `attention` is what a person must look at before the next
- * run, or empty. `start_unknown`: nobody knows whether its run has started, and a person has to
- * say. `run` is the id of the hub's run on it, or empty. `last_word_s` is when it was last heard
- * of, while it is unreachable. `power_group` limits heating printers; `heating_w` is its power
- * while it heats. `service`: nothing starts on it. `clears_itself`: its bed counts as clear after
- * each print that is done. `printed_s`, `filament_mm` and `prints` are totals of the hub's runs;
- * `service_due` are the maintenance items that are due. */
+ * and nothing has printed on it since. `attention` is what a user must look at before the next
+ * run, or empty. `start_unknown`: it is unknown whether its run has started, and a user must
+ * answer. `run` is the id of the hub's run on it, or empty. `last_word_s` is when it was last
+ * heard of, while it is unreachable. `power_group` limits heating printers; `heating_w` is its
+ * power while it heats. `service`: nothing starts on it. `clears_itself`: its bed counts as clear
+ * after each print that is done. `printed_s`, `filament_mm` and `prints` are totals of the hub's
+ * runs; `service_due` are the maintenance items that are due. */
 export interface PrinterView {
   id: string;
   name: string;

@@ -15,14 +15,14 @@ from passo.web.files.names import program
 from passo.web.operation import operation
 from passo.web.roles import Role
 
-_HASH = "X-Passo-SHA256"
 _KEPT = "private, max-age=31536000, immutable"  # the content of a hash never changes
 
 
-class FileName(Struct, forbid_unknown_fields=True):
-    """The name of a file."""
+class NewFile(Struct, forbid_unknown_fields=True):
+    """The name of a file, and the SHA-256 that its content must have; any if empty."""
 
     name: Annotated[str, Meta(min_length=1, max_length=200)]
+    sha256: Annotated[str, Meta(pattern=r"^([0-9A-Fa-f]{64})?$")] = ""
 
 
 @operation("files.list", "GET", "/files", Role.VIEWER)
@@ -38,20 +38,18 @@ async def files(call: HubCall) -> list[FileView]:
     Role.OPERATOR,
     errors=(
         *("card.full", "card.name", "input.empty", "upload.binary", "upload.kind"),
-        *("upload.content", "upload.slow", "upload.malformed", "hub.hash", "hub.store"),
+        *("upload.content", "upload.slow", "upload.malformed", "upload.checksum", "hub.store"),
     ),
     consumes="application/octet-stream",
     status=201,
 )
-async def add(call: HubCall, query: FileName) -> FileView:
-    """Uploads a file to the hub. Its content never changes: another content is another file. The
-    header `X-Passo-SHA256` may give the hash of the content, which is then checked."""
+async def add(call: HubCall, query: NewFile) -> FileView:
+    """Uploads a file to the hub. Its content never changes: another content is another file."""
     body = Body(call.request)
     contents = call.site.contents
     try:
         name = program(query.name).lstrip("/")
-        expected = call.request.headers.get(_HASH, "").lower()
-        sha256, size = await contents.receive(body.pieces(), body.length, name, expected)
+        sha256, size = await contents.receive(body.pieces(), body.length, query.sha256)
     except PassoError:
         await body.drain()
         raise

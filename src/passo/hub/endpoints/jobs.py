@@ -72,7 +72,7 @@ async def cancel(call: HubCall, id: str) -> None:
 
 @operation("queue.pause", "PUT", "/queue", Role.OPERATOR, errors=("hub.limited", "hub.store"))
 async def pause(call: HubCall, body: QueueState) -> QueueState:
-    """Pauses the queue, so that nothing starts, or goes on with it. Running prints go on."""
+    """Pauses the queue, so that nothing starts, or resumes it. Running prints continue."""
     call.require_no_limit("the queue of the whole farm")
     await call.farm.pause_queue(body.paused, call.user)
     return body

@@ -112,7 +112,7 @@ async def clear(call: HubCall, id: str, body: BedClear) -> PrinterView:
     errors=("web.not-found", "hub.state", "hub.store"),
 )
 async def attend(call: HubCall, id: str, body: Attended) -> PrinterView:
-    """Confirms that a person has dealt with the printer's attention."""
+    """Confirms that a user has dealt with the printer's attention."""
     call.printer(id)
     return await call.farm.attend(id, body.started, call.user)
 

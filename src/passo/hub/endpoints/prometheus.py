@@ -56,7 +56,7 @@ def _metrics(farm: Farm, totals: Statistics, now_s: float) -> Iterator[Metric]:
     }
     yield Metric("passo_hub_printer_reached", "gauge", "1 if it answers.", "printer", reached)
     attention = {"": float(sum(bool(printer.attention) for printer in farm.printers))}
-    yield Metric("passo_hub_attention", "gauge", "Printers that need a person.", "", attention)
+    yield Metric("passo_hub_attention", "gauge", "Printers that need a user.", "", attention)
     due = {"": float(sum(bool(printer.service_due) for printer in farm.printers))}
     yield Metric("passo_hub_service_due", "gauge", "Printers whose service is due.", "", due)
     waiting = {"": float(sum(job.waiting for job in farm.jobs))}

@@ -49,16 +49,18 @@ def address(url: str) -> str:
 
 
 class Exchange:
-    """Requests to one printer. All methods raise Unreachable, and Refused as `refusal` makes it
-    from the status and the content of an answer."""
+    """Requests to one printer. All methods raise Unreachable, and the error that `refusal` makes
+    from the status and the content of an answer that is not a success."""
 
-    def __init__(self, session: ClientSession, url: str, key: str) -> None:
-        self._session, self._url = session, address(url)
+    def __init__(
+        self,
+        session: ClientSession,
+        url: str,
+        key: str,
+        refusal: Callable[[int, bytes], Exception],
+    ) -> None:
+        self._session, self._url, self._refusal = session, address(url), refusal
         self._headers = {"X-Api-Key": key} if key else {}
-
-    def refusal(self, status: int, content: bytes) -> Exception:
-        """The error of an answer with this status of 400 and more."""
-        raise NotImplementedError
 
     async def ask(
         self,
@@ -89,7 +91,7 @@ class Exchange:
         headers: Mapping[str, str] | None = None,
     ) -> bytes:
         """Sends a file, in a body that `body` makes from its pieces; returns the content of the
-        answer. It may take long, as long as it goes on."""
+        answer. It may take long, while bytes are sent."""
         limits = ClientTimeout(total=None, sock_connect=_CONNECT_S)
         now_s = asyncio.get_running_loop().time
         headers = {**self._headers, **(headers or {})}
@@ -151,7 +153,7 @@ class Exchange:
         except (ClientError, TimeoutError, OSError) as error:
             raise Unreachable(_reason(error)) from None
         if status >= 300:
-            raise self.refusal(status, content)
+            raise self._refusal(status, content)
         return content
 
 

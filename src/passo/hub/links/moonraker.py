@@ -3,8 +3,8 @@
 Moonraker's start carries no id. So a file waits in a folder of its own, and `start` first moves it
 into a folder that is named after the run: then what prints, and what is in the history, names the
 run. While that folder does not exist, the start was certainly never sent. If it exists, and neither
-the printer nor its history knows the file, nobody can tell whether the start is still on the way:
-StartUnknown, a person must look.
+the printer nor its history knows the file, the start may still be on the way:
+StartUnknown, a user must look.
 """
 
 from __future__ import annotations
@@ -43,21 +43,18 @@ _REASONS = {
 }
 
 
-class _Exchange(Exchange):
-    """Requests to Moonraker."""
-
-    def refusal(self, status: int, content: bytes) -> Exception:
-        """Moonraker's own error; without one, something else has answered."""
-        try:
-            error = msgspec.json.decode(content)["error"]
-            text = str(error["message"])
-        except (msgspec.DecodeError, KeyError, TypeError):
-            return Unreachable(f"an answer with status {status} is not of Moonraker")
-        if status == _OTHER_HASH:
-            text = "The file has arrived with another content"
-        if status in (502, 503, 504):
-            return Unreachable(text)
-        return Refused(f"moonraker.{status}", text, "Look at the page of the printer")
+def _refusal(status: int, content: bytes) -> Exception:
+    """Moonraker's own error; without one, something else has answered."""
+    try:
+        error = msgspec.json.decode(content)["error"]
+        text = str(error["message"])
+    except (msgspec.DecodeError, KeyError, TypeError):
+        return Unreachable(f"an answer with status {status} is not of Moonraker")
+    if status == _OTHER_HASH:
+        text = "The file has arrived with another content"
+    if status in (502, 503, 504):
+        return Unreachable(text)
+    return Refused(f"moonraker.{status}", text, "Look at the page of the printer")
 
 
 class MoonrakerLink:
@@ -65,7 +62,7 @@ class MoonrakerLink:
 
     def __init__(self, session: ClientSession, record: PrinterRecord) -> None:
         self._record = record
-        self._exchange = _Exchange(session, record.url, record.key)
+        self._exchange = Exchange(session, record.url, record.key, _refusal)
 
     async def follow(self, seen: Callable[[Summary], None]) -> None:
         """Like `Link.follow`."""
@@ -210,7 +207,7 @@ async def pair(session: ClientSession, wish: NewPrinter) -> PrinterRecord:
     """Asks Moonraker for its id and the name of its computer. Raises HubError, Unreachable and
     Refused, for example without a key for a caller that Moonraker does not trust."""
     url = address(wish.url)
-    exchange = _Exchange(session, url, wish.key)
+    exchange = Exchange(session, url, wish.key, _refusal)
     info = _result(await exchange.ask("GET", "/printer/info"))
     try:
         query = {"namespace": "moonraker", "key": "instance_id"}

@@ -59,18 +59,15 @@ class _Key(Struct):
     key: str
 
 
-class _Exchange(Exchange):
-    """Requests to a printer that Passo serves."""
-
-    def refusal(self, status: int, content: bytes) -> Exception:
-        """The printer's own error; without one, something else has answered."""
-        try:
-            fault = msgspec.json.decode(content, type=Refusal).error
-        except msgspec.DecodeError:
-            return Unreachable(f"an answer with status {status} is not of Passo")
-        if fault.code in _UNCERTAIN:
-            return Unreachable(fault.message)
-        return Refused(fault.code, fault.message, fault.action)
+def _refusal(status: int, content: bytes) -> Exception:
+    """The printer's own error; without one, something else has answered."""
+    try:
+        fault = msgspec.json.decode(content, type=Refusal).error
+    except msgspec.DecodeError:
+        return Unreachable(f"an answer with status {status} is not of Passo")
+    if fault.code in _UNCERTAIN:
+        return Unreachable(fault.message)
+    return Refused(fault.code, fault.message, fault.action)
 
 
 class PassoLink:
@@ -78,7 +75,7 @@ class PassoLink:
 
     def __init__(self, session: ClientSession, record: PrinterRecord) -> None:
         self._id = record.id
-        self._exchange = _Exchange(session, record.url, record.key)
+        self._exchange = Exchange(session, record.url, record.key, _refusal)
 
     async def follow(self, seen: Callable[[Summary], None]) -> None:
         """Like `Link.follow`."""
@@ -169,7 +166,7 @@ async def pair(session: ClientSession, wish: NewPrinter) -> PrinterRecord:
     """Makes the hub known to a printer: with a one-time code, or with a key. A printer without an
     administrator, on this computer, needs neither. Raises HubError, Unreachable and Refused."""
     url = address(wish.url)
-    exchange = _Exchange(session, url, wish.key)
+    exchange = Exchange(session, url, wish.key, _refusal)
     if wish.key:
         answer = _decoded(await exchange.ask("GET", f"{_API}/summary"), Summary)
         return PrinterRecord(answer.id, wish.name or answer.name, url, "passo", wish.key)

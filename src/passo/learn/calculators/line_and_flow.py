@@ -68,6 +68,13 @@ def _compute(
     )
 
 
+LINE_WIDTH = Parameter(
+    "width_mm", Text("Width of the line", "Larghezza della linea"), 0.45, 0.3, 1.2, 0.01, "mm"
+)
+LINE_HEIGHT = Parameter(
+    "height_mm", Text("Height of the layer", "Altezza dello strato"), 0.2, 0.05, 0.3, 0.01, "mm"
+)
+
 CALCULATOR = Experiment(
     "line-and-flow",
     Text("Line width and flow", "Larghezza della linea e flusso"),
@@ -76,24 +83,8 @@ CALCULATOR = Experiment(
         "La plastica di una linea, e il filamento che l'estrusore spinge per essa.",
     ),
     [
-        Parameter(
-            "width_mm",
-            Text("Width of the line", "Larghezza della linea"),
-            0.45,
-            0.3,
-            1.2,
-            0.01,
-            "mm",
-        ),
-        Parameter(
-            "height_mm",
-            Text("Height of the layer", "Altezza dello strato"),
-            0.2,
-            0.05,
-            0.3,
-            0.01,
-            "mm",
-        ),
+        LINE_WIDTH,
+        LINE_HEIGHT,
         Parameter("length_mm", Text("Length", "Lunghezza"), 100.0, 1.0, 500.0, 1.0, "mm"),
         Parameter("speed_mm_s", Text("Speed", "Velocità"), 60.0, 5.0, 500.0, 5.0, "mm/s"),
         Parameter(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import pi
 
 from passo.learn.bilingual import Text
-from passo.learn.calculators.line_and_flow import line_area_mm2
+from passo.learn.calculators.line_and_flow import LINE_HEIGHT, LINE_WIDTH, line_area_mm2
 from passo.learn.experiment import Experiment, Number, Outcome, Parameter
 from passo.learn.pictures import Graph, Line
 
@@ -87,24 +87,8 @@ CALCULATOR = Experiment(
             0.5,
             "mm³/s",
         ),
-        Parameter(
-            "width_mm",
-            Text("Width of the line", "Larghezza della linea"),
-            0.45,
-            0.3,
-            1.2,
-            0.01,
-            "mm",
-        ),
-        Parameter(
-            "height_mm",
-            Text("Height of the layer", "Altezza dello strato"),
-            0.2,
-            0.05,
-            0.3,
-            0.01,
-            "mm",
-        ),
+        LINE_WIDTH,
+        LINE_HEIGHT,
         Parameter("speed_mm_s", Text("Speed", "Velocità"), 150.0, 5.0, 500.0, 5.0, "mm/s"),
     ],
     _compute,

@@ -92,8 +92,9 @@ EXPERIMENT = Experiment(
     "arcs-and-chords",
     Text("A circle in straight lines", "Un cerchio in linee rette"),
     Text(
-        "A circle of G2 is divided into equal chords. Passo's own division is beside it.",
-        "Un cerchio di G2 è diviso in corde uguali. Accanto c'è la divisione di Passo.",
+        "A circle of G2 is divided into equal chords. Compare them with the chords that Passo"
+        " makes.",
+        "Un cerchio di G2 è diviso in corde uguali. Confrontale con le corde di Passo.",
     ),
     [
         Parameter("radius_mm", Text("Radius", "Raggio"), 20.0, 1.0, 80.0, 0.5, unit="mm"),

@@ -251,7 +251,7 @@ LESSON = Lesson(
         ),
         Text(
             "Now break the wire. With NC the pin rises as if the switch were pressed:"
-            " {nc_broken.end}. With NO the broken wire looks like a switch that nobody presses:"
+            " {nc_broken.end}. With NO the broken wire looks like a switch that is not pressed:"
             " {no_broken.end}, here for {no_broken.push_mm}, while the motor loses steps.",
             "Ora rompi il cavo. Con NC il pin sale come se l'interruttore fosse premuto:"
             " {nc_broken.end}. Con NO il cavo rotto sembra un interruttore che nessuno preme:"

@@ -7,9 +7,7 @@ from passo.learn.experiment import Experiment, Number, Outcome, Parameter
 from passo.learn.lesson import Chapter, Lesson, Mistake, OwnPrinter, Question, Source
 from passo.learn.pictures import Graph, Line
 from passo.learn.planned import planned, shipped
-
-_STEPS_PER_MM = 80.0
-_RAREST_MS, _FASTEST_MS = 1.0, 0.05  # how often the board looks at a switch, at any speed
+from passo.motion.triggered_moves import sampling_s
 
 
 def _compute(
@@ -19,10 +17,11 @@ def _compute(
     speed_mm_s: float,
     acceleration_mm_s2: float,
 ) -> Outcome:
+    machine = shipped("i3")
     lines = f"G1 X{first_mm:.3f} F3000\nG92 X{called_mm:.3f}\nG1 X{second_mm:.3f}\nG4 P1\n"
-    moves, _ = planned(lines, shipped("i3"))
+    moves, _ = planned(lines, machine)
     machine_mm = moves[-1].end_mm[0] if moves else 0.0
-    poll_ms = min(_RAREST_MS, max(1000 / (_STEPS_PER_MM * speed_mm_s), _FASTEST_MS))
+    poll_ms = 1000 * sampling_s(machine.steppers["x"].steps_per_unit * speed_mm_s)
     past_mm = speed_mm_s**2 / (2 * acceleration_mm_s2)
     speeds = [float(v) for v in range(0, 101, 4)]
     return Outcome(

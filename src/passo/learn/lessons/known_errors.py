@@ -211,7 +211,7 @@ LESSON = Lesson(
         Text(
             "Some errors have no number, and are worse: protections against overheating that are"
             " off by default; endstops that stop a move away from them; text printed inside of an"
-            " interrupt; a heater fault that stops one heater while the print goes on. Read a"
+            " interrupt; a heater fault that stops one heater while the print continues. Read a"
             " default before you trust it.",
             "Alcuni errori non hanno un numero, e sono peggiori: protezioni dal surriscaldamento"
             " disattivate di serie; finecorsa che fermano un movimento che se ne allontana; testo"

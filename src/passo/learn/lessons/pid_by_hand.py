@@ -109,9 +109,9 @@ EXPERIMENT = Experiment(
     Text("A hotend with your gains", "Un hotend con i tuoi guadagni"),
     Text(
         "A simulated hotend heats from the room's temperature. The textbook's PID controls"
-        " it; Passo's own PID is beside it.",
+        " it. Compare it with Passo's own PID.",
         "Un hotend simulato si scalda dalla temperatura ambiente. Lo regola il PID"
-        " dei libri; accanto c'è quello di Passo.",
+        " dei libri. Confrontalo con quello di Passo.",
     ),
     [
         Parameter("kp", Text("Kp: by distance", "Kp: per distanza"), 10.0, 1.0, 300.0, 1.0),

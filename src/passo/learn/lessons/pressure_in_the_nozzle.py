@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from math import exp
+from math import exp, pi
 
 from passo.learn.bilingual import Text
+from passo.learn.calculators.line_and_flow import line_area_mm2
 from passo.learn.experiment import Experiment, Number, Outcome, Parameter
 from passo.learn.lesson import Chapter, Lesson, Link, Mistake, OwnPrinter, Question, Source
 from passo.learn.pictures import Graph, Line
 
-_FILAMENT_PER_MM = 0.0374  # of a line of 0.45 mm × 0.2 mm, from filament of 1.75 mm
+_WIDTH_MM, _HEIGHT_MM, _FILAMENT_MM = 0.45, 0.2, 1.75  # of the line, and of its filament
+_FILAMENT_MM2 = pi / 4 * _FILAMENT_MM**2
+_FILAMENT_PER_MM = line_area_mm2(_WIDTH_MM, _HEIGHT_MM) / _FILAMENT_MM2
 _TAU_S = 0.05  # of the simulated nozzle: its flow follows the pushed filament with this delay
 _POINTS = 150
 
@@ -32,13 +35,13 @@ def _compute(advance_s: float, speed_mm_s: float, acceleration_mm_s2: float) -> 
         return wanted(t) + advance_s * slope
 
     times = [step_s * i for i in range(_POINTS + 1)]
-    flow, deposit_mm3 = [0.0], 0.0
+    flow, lag_mm = [0.0], 0.0
     for before, after in pairwise(times):
         # The exact answer of a first-order system to a constant push over one interval.
         drive = pushed((before + after) / 2)
         flow.append(drive + (flow[-1] - drive) * exp(-step_s / _TAU_S))
         lag = (wanted(before) + wanted(after) - flow[-2] - flow[-1]) / 2
-        deposit_mm3 += abs(lag) * step_s
+        lag_mm += abs(lag) * step_s
     return Outcome(
         numbers=[
             Number(
@@ -60,7 +63,7 @@ def _compute(advance_s: float, speed_mm_s: float, acceleration_mm_s2: float) -> 
             Number(
                 "lag_mm3",
                 Text("Filament in the wrong place", "Filamento nel posto sbagliato"),
-                deposit_mm3 * 2.405,
+                lag_mm * _FILAMENT_MM2,
                 "mm³",
                 3,
             ),

@@ -56,6 +56,11 @@ class Incoming:
         self._written = self._checked = 0
 
     @property
+    def digest(self) -> str:
+        """The SHA-256 of the received bytes."""
+        return self._digest.hexdigest()
+
+    @property
     def name(self) -> str:
         """The file's name without its folders."""
         return self.path.rpartition("/")[2]
@@ -83,9 +88,8 @@ class Incoming:
         `upload.checksum`."""
         if not self.offset:
             raise InputError.of("input.empty", self.name)
-        digest = self._digest.hexdigest()
-        if self.sha256.strip().lower() not in ("", digest):
-            raise InputError.of("upload.checksum", self.name, value=digest, limit=self.sha256)
+        if self.sha256.strip().lower() not in ("", self.digest):
+            raise InputError.of("upload.checksum", self.name, value=self.digest, limit=self.sha256)
         await self._flush()
         await in_worker_thread(self._writer.close)
 
